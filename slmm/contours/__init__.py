@@ -1,0 +1,1 @@
+"""Notch outlines: spline, curvature, picture to outline."""

@@ -1,0 +1,1 @@
+"""What every finite element model shares."""

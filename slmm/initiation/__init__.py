@@ -1,0 +1,1 @@
+"""Crack initiation by the coupled criterion (Paper A)."""
