@@ -48,7 +48,7 @@ class Outline:
     coefficients: Array
 
     @classmethod
-    def through(cls, points: ArrayLike, smoothing: float = 0.0) -> Outline:
+    def through(cls, points: ArrayLike, smoothing: float = 0.0, wavelength: float = 0.0) -> Outline:
         """Outline through points that go round the hole once, in either sense.
 
         Parameters
@@ -57,6 +57,9 @@ class Outline:
             n >= 8 points, mm. The last one may repeat the first. s = 0 lies at the first point.
         smoothing : float
             Root mean square deviation from the points that noise may have, mm; 0 interpolates.
+        wavelength : float
+            Undulations shorter than this (mm, along the outline) are smoothed away as well, however large
+            they are; 0 sets no limit.
 
         Raises
         ------
@@ -77,8 +80,8 @@ class Outline:
             points = np.roll(points[::-1], 1, axis=0)  # the first point stays the first
 
         spline = _periodic_spline(_chord_lengths(points), points)
-        if smoothing > 0:
-            spline = _smoothed(spline, 2 * len(points), smoothing)
+        if smoothing > 0 or wavelength > 0:
+            spline = _smoothed(spline, 2 * len(points), smoothing, wavelength)
 
         pieces = _number_of_pieces(spline)
         # The first pass brings the parameter to the arc length of the spline through the given points, the
@@ -209,35 +212,34 @@ def _number_of_pieces(spline: CubicSpline) -> int:
     if turn[sharpest] > TURN_REFUSED:
         x, y = points[(sharpest + 1) % MAX_PIECES]
         raise ValueError(
-            f"the outline has a corner at ({x:.6g}, {y:.6g}): a radius of {step / turn[sharpest]:.3g} mm is too"
-            f" sharp for a curvature; round it, the smallest radius for this length is {step / TURN_REFUSED:.3g} mm"
+            f"the outline has a corner at ({x:.6g}, {y:.6g}): its radius of"
+            f" {step / turn[sharpest]:.3g} mm is too sharp for a curvature; round it, with {step / TURN_REFUSED:.3g} mm or more"
         )
     return int(np.clip(np.ceil(MAX_PIECES * turn[sharpest] / TURN_PER_PIECE), MIN_PIECES, MAX_PIECES))
 
 
-def _smoothed(spline: CubicSpline, n: int, deviation: float) -> CubicSpline:
-    """Spline that deviates by at most the given root mean square (mm) and bends least.
+def _smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -> CubicSpline:
+    """Spline without the undulations that are noise, see `Outline.through`.
 
     On points evenly spaced in arc length, the penalty on the third derivative of a smoothing spline is the
-    filter 1/(1 + weight k^6) on the k-th harmonic. Harmonics 0 and 1, ie. position and mean radius, are kept:
+    filter 1/(1 + (k/k_c)^6) on the k-th harmonic. Harmonics 0 and 1, ie. position and mean radius, are kept:
     smoothing then neither moves nor shrinks a circle.
     """
-    s, points = _equidistant(spline, n)
+    arc_lengths, points = _equidistant(spline, n)
     harmonics = np.fft.fft(points[:, 0] + 1j * points[:, 1])
-    k6 = np.abs(np.fft.fftfreq(n, 1.0 / n)) ** 6
-    k6[k6 <= 1] = 0.0
+    k = np.abs(np.fft.fftfreq(n, 1.0 / n))
 
-    def excess(log_weight: float) -> float:
-        removed = harmonics * (1 - 1 / (1 + np.exp(log_weight) * k6))
-        return float(np.linalg.norm(removed)) / n - deviation  # Parseval
+    def removed(log_k_c: float) -> NDArray[np.complex128]:
+        ratio = (k / np.exp(log_k_c)) ** 6
+        return harmonics * np.where(k <= 1, 0.0, ratio / (1 + ratio))
 
-    low, high = -6 * np.log(n) - 10.0, 20.0
-    if excess(low) >= 0:
-        log_weight = low
-    elif excess(high) <= 0:
-        log_weight = high
-    else:
-        log_weight = brentq(excess, low, high, xtol=1e-6)
-    smooth = np.fft.ifft(harmonics / (1 + np.exp(log_weight) * k6))
+    def excess(log_k_c: float) -> float:
+        return float(np.linalg.norm(removed(log_k_c))) / n - deviation  # Parseval
+
+    least, most = np.log(0.1), np.log(10.0 * n)
+    log_k_c = np.log(arc_lengths[-1] / wavelength) if wavelength > 0 else most
+    if deviation > 0 and excess(log_k_c) < 0:
+        log_k_c = brentq(excess, least, log_k_c, xtol=1e-6) if excess(least) > 0 else least
+    smooth = np.fft.ifft(harmonics - removed(log_k_c))
     points = np.column_stack([smooth.real, smooth.imag])
     return _periodic_spline(_chord_lengths(points), points)
