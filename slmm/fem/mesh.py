@@ -218,7 +218,7 @@ def plate_mesh(
             distance, nearest = cKDTree(points).query(mouth)
             if distance > 1e-6 * size.size_max:
                 raise ValueError(
-                    f"path[0] = {path[0].tolist()}: a crack's mouth lies on the boundary, not {distance:g} mm away"
+                    f"path[0] = {path[0].tolist()}: must lie on the boundary, not {distance:g} mm away"
                 )
             inner = np.concatenate([[nearest], len(points) + np.arange(len(path) - 1)])
             points = np.concatenate([points, path[1:]])
@@ -232,7 +232,7 @@ def plate_mesh(
             break
         if not np.all(kept[n_boundary:]):
             raise RuntimeError(
-                "the mesher cut an edge of the crack path: the distances between its nodes must change smoothly"
+                "the mesher cut an edge of the crack path: node distances must change smoothly along it"
             )
         # the mesher wanted shorter boundary edges here than we gave: halve them on the true curve, mesh again
         parameters = _halved(parameters, origin, ~kept[:n_boundary])
@@ -301,7 +301,7 @@ def _check_path(path: np.ndarray, body: shapely.Polygon) -> None:
 def _rings(
     body: shapely.Polygon, outlines: Sequence[Outline], samples: list[np.ndarray], mouth: np.ndarray | None
 ) -> list[list[_Piece]]:
-    """The curves around the body, cut where they change from one curve to another; the body is on the left."""
+    """The curves around the body, which is on their left, cut where one curve gives way to another."""
     body = shapely.orient_polygons(body)
     tolerance = 1e-9 * body.length
     rings = []
