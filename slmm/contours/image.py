@@ -164,7 +164,7 @@ def _is_black_and_white(grey: Array, dark: float, light: float) -> bool:
     share = (grey - dark) / (light - dark)
     edge = np.count_nonzero(np.diff(share > 0.5, axis=0)) + np.count_nonzero(np.diff(share > 0.5, axis=1))
     between = np.count_nonzero((share > 0.1) & (share < 0.9))
-    return between < 0.2 * edge
+    return bool(between < 0.2 * edge)
 
 
 def _round_off_ends(padded: Array, light: float) -> Array:

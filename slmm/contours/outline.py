@@ -211,9 +211,10 @@ def _number_of_pieces(spline: CubicSpline) -> int:
     sharpest = int(turn.argmax())
     if turn[sharpest] > TURN_REFUSED:
         x, y = points[(sharpest + 1) % MAX_PIECES]
+        radius, allowed = step / turn[sharpest], step / TURN_REFUSED
         raise ValueError(
-            f"the outline has a corner at ({x:.6g}, {y:.6g}): its radius of"
-            f" {step / turn[sharpest]:.3g} mm is too sharp for a curvature; round it, with {step / TURN_REFUSED:.3g} mm or more"
+            f"the outline has a corner at ({x:.6g}, {y:.6g}): its radius of {radius:.3g} mm is too sharp"
+            f" for a curvature; round it, with {allowed:.3g} mm or more"
         )
     return int(np.clip(np.ceil(MAX_PIECES * turn[sharpest] / TURN_PER_PIECE), MIN_PIECES, MAX_PIECES))
 

@@ -1,0 +1,99 @@
+"""Outlines given as points: reading them from a file, and what is wrong with them."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Polygon
+from shapely.validation import explain_validity
+
+Array = NDArray[np.float64]
+
+MIN_POINTS = 8
+MAX_POINTS = 100_000
+#: a polygon that turns by more than this at one point does not describe a smooth outline
+MAX_TURN = 60.0
+
+
+def read_points(path: Path) -> Array:
+    """Points (n, 2), mm, from a text file with the columns x and y.
+
+    Columns are separated by comma, semicolon, tab or blanks. One header line may come first; empty lines and
+    lines that start with # are skipped.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read as text, or a line does not hold two finite numbers; names the line.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"not a readable text file ({error})") from error
+    points: list[tuple[float, float]] = []
+    header_allowed = True
+    for number, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        cells = _cells(line)
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            if header_allowed:
+                header_allowed = False
+                continue
+            raise ValueError(f"line {number} = {line.strip()!r}: must hold two numbers, x and y") from None
+        header_allowed = False
+        if len(row) != 2:
+            raise ValueError(f"line {number} = {line.strip()!r}: must hold two numbers, x and y")
+        if not np.isfinite(row).all():
+            raise ValueError(f"line {number} = {line.strip()!r}: must be finite numbers")
+        points.append((row[0], row[1]))
+    return np.array(points, dtype=float).reshape(-1, 2)
+
+
+def _cells(line: str) -> list[str]:
+    for separator in ";,\t":
+        if separator in line:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    return line.split()
+
+
+def point_problems(points: Array) -> list[str]:
+    """What keeps the points (n, 2) from being a closed, smooth outline; empty when nothing does."""
+    if not np.isfinite(points).all():
+        return [f"point {int(np.argmin(np.isfinite(points).all(axis=1)))} is not finite"]
+    if len(points) > 1 and np.array_equal(points[0], points[-1]):
+        points = points[:-1]
+    n = len(points)
+    if not MIN_POINTS <= n <= MAX_POINTS:
+        return [
+            f"has {n} different points: must have between {MIN_POINTS} and {MAX_POINTS:,} round the outline"
+        ]
+
+    steps = np.roll(points, -1, axis=0) - points
+    chords = np.linalg.norm(steps, axis=1)
+    size = float(np.ptp(points, axis=0).max())
+    coincident = np.flatnonzero(chords <= 1e-9 * size)
+    if len(coincident):
+        k = int(coincident[0])
+        x, y = points[k]
+        return [f"points {k} and {(k + 1) % n} coincide at ({x:.6g}, {y:.6g}); remove one of them"]
+
+    polygon = Polygon(points)
+    if not polygon.is_valid:
+        return [f"the outline crosses or touches itself: {explain_validity(polygon)}"]
+
+    direction = steps[:, 0] + 1j * steps[:, 1]
+    turn = np.abs(np.degrees(np.angle(direction / np.roll(direction, 1))))
+    sharpest = int(turn.argmax())
+    if turn[sharpest] > MAX_TURN:
+        x, y = points[sharpest]
+        return [
+            f"the outline turns by {turn[sharpest]:.0f} degrees at point {sharpest}, ({x:.6g}, {y:.6g}):"
+            f" a corner has no curvature; round it and give more points there (at most {MAX_TURN:.0f} degrees each)"
+        ]
+    return []

@@ -1,0 +1,447 @@
+"""The scene: plate, holes, cracks, material, load and analysis, read from a TOML file and checked."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from slmm.contours import shapes
+from slmm.contours.checks import crack_problems, hole_problems, position_problems
+from slmm.contours.image import outlines_in_picture
+from slmm.contours.outline import Outline
+from slmm.contours.points import point_problems, read_points
+from slmm.material import MATERIALS, Material, State
+from slmm.scene_error import SceneError, problems_of
+
+Array = NDArray[np.float64]
+Method = Literal["rankine", "point", "line", "slmm", "slmm+ac", "full-fea", "auto"]
+
+# Strict: a number in quotes, or true for 1, is a mistake and not a number. Coordinates have a bound so that
+# squares and products of them stay finite.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Coordinate = Annotated[Number, Field(ge=-1e9, le=1e9)]
+Length = Annotated[Number, Field(gt=0, le=1e9)]
+Count = Annotated[int, Field(strict=True)]
+PlanePoint = tuple[Coordinate, Coordinate]
+
+
+def _as_lists(value: object) -> object:
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+PlanePoints = Annotated[tuple[PlanePoint, ...], BeforeValidator(_as_lists)]
+
+
+def _in_folder(file: str, info: ValidationInfo) -> str:
+    path = Path((info.context or {}).get("folder", ".")) / file
+    if not path.is_file():
+        raise ValueError(f"there is no such file in {path.parent.resolve()}")
+    return str(path.resolve())
+
+
+File = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_in_folder)]
+
+
+class Table(BaseModel):
+    """A table of the scene file: immutable, and no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Plate(Table):
+    """Rectangular plate with its lower left corner at (0, 0); mm."""
+
+    width: Length
+    height: Length
+    thickness: Length = 1.0
+
+
+class CircleHole(Table):
+    """Circular hole; centre and radius in mm."""
+
+    shape: Literal["circle"]
+    center: PlanePoint
+    radius: Length
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        return [Outline.through(shapes.circle(self.center, self.radius))]
+
+
+class EllipseHole(Table):
+    """Elliptic hole; centre and semi-axes in mm, turned counter-clockwise by an angle in degrees."""
+
+    shape: Literal["ellipse"]
+    center: PlanePoint
+    semi_axes: tuple[Length, Length]
+    angle: Number = 0.0
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        return [Outline.through(shapes.ellipse(self.center, self.semi_axes, self.angle))]
+
+
+class RectangleHole(Table):
+    """Rectangular hole with round corners; mm, turned counter-clockwise by an angle in degrees."""
+
+    shape: Literal["rectangle"]
+    center: PlanePoint
+    size: tuple[Length, Length]
+    corner_radius: Number
+    angle: Number = 0.0
+
+    @model_validator(mode="after")
+    def _corners_are_round(self) -> Self:
+        half = min(self.size) / 2
+        if not 0 < self.corner_radius <= half:
+            raise ValueError(
+                f"corner_radius = {self.corner_radius:g}: must be greater than 0, because a sharp corner has"
+                f" no curvature, and at most half the smaller side, {half:g}"
+            )
+        return self
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        points = shapes.rectangle(self.center, self.size, self.corner_radius, self.angle)
+        # The curvature jumps where side and corner meet, and an interpolating spline would overshoot by 29 %;
+        # this trace of smoothing leaves 5 % and moves the outline by 1e-4 radii.
+        return [Outline.through(points, smoothing=1.6e-5 * self.corner_radius)]
+
+
+class PointsHole(Table):
+    """Hole with a smooth outline through points (mm) that are listed or come from a file."""
+
+    shape: Literal["points"]
+    points: PlanePoints | None = None
+    file: File | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        _exactly_one(self, ("points", "file"))
+        return self
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        points = np.array(self.points, dtype=float) if self.file is None else read_points(Path(self.file))
+        problems = point_problems(points.reshape(-1, 2))
+        if problems:
+            raise ValueError("; ".join(problems))
+        return [Outline.through(points)]
+
+
+class ImageHole(Table):
+    """All dark areas of a picture that covers the plate; pixel size in mm."""
+
+    shape: Literal["image"]
+    file: File
+    pixel_size: Length
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """The outlines of all its dark areas."""
+        return outlines_in_picture(Path(self.file), self.pixel_size, plate.width, plate.height)
+
+
+Hole = Annotated[
+    CircleHole | EllipseHole | RectangleHole | PointsHole | ImageHole, Field(discriminator="shape")
+]
+
+
+class Crack(Table):
+    """Initial crack along points (mm), from the plate's edge or a hole to its tip, the last one."""
+
+    points: Annotated[PlanePoints, Field(min_length=2)]
+
+
+class MaterialTable(Table):
+    """Material by its name, or by its constants with exactly one of K_Ic (MPa sqrt(m)) and G_c (N/mm)."""
+
+    name: str | None = None
+    E: Length | None = None
+    nu: Annotated[Number, Field(gt=-1, lt=0.5)] | None = None
+    sigma_c: Length | None = None
+    K_Ic: Length | None = None
+    G_c: Length | None = None
+    state: State = "plane stress"
+
+    CONSTANTS: ClassVar[tuple[str, ...]] = ("E", "nu", "sigma_c", "K_Ic", "G_c")
+
+    @field_validator("name")
+    @classmethod
+    def _is_known(cls, name: str | None) -> str | None:
+        if name is not None and name not in MATERIALS:
+            raise ValueError(f"must be one of {', '.join(MATERIALS)}, or give E, nu, sigma_c and K_Ic or G_c")
+        return name
+
+    @model_validator(mode="after")
+    def _is_complete(self) -> Self:
+        given = [key for key in self.CONSTANTS if getattr(self, key) is not None]
+        if self.name is not None:
+            if given:
+                raise ValueError(
+                    f'name = "{self.name}" has its own constants and contradicts {", ".join(given)};'
+                    " give the name or the constants"
+                )
+            return self
+        missing = [key for key in ("E", "nu", "sigma_c") if key not in given]
+        if missing:
+            known = ", ".join(f'"{name}"' for name in MATERIALS)
+            raise ValueError(
+                f"{', '.join(missing)} missing; needs a name ({known}), or E, nu, sigma_c and K_Ic or G_c"
+            )
+        _exactly_one(self, ("K_Ic", "G_c"))
+        return self
+
+    def material(self) -> Material:
+        """The material with its constants in N, mm, MPa."""
+        if self.name is not None:
+            return Material.from_name(self.name, self.state)
+        assert self.E is not None and self.nu is not None and self.sigma_c is not None
+        if self.K_Ic is not None:
+            return Material.from_toughness(self.E, self.nu, self.sigma_c, self.K_Ic, self.state)
+        assert self.G_c is not None
+        return Material(self.E, self.nu, self.sigma_c, self.G_c, self.state)
+
+
+class Load(Table):
+    """Exactly one kind of load; the others are None.
+
+    ``strain`` (e_xx, e_yy, gamma_xy) prescribes the displacement of all four edges, ``displacement`` (mm)
+    moves the top edge up as one, ``stress`` (MPa) pulls uniformly on top and bottom.
+    """
+
+    strain: tuple[Number, Number, Number] | None = None
+    displacement: Number | None = None
+    stress: Number | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        _exactly_one(self, ("strain", "displacement", "stress"))
+        value = self.strain or (self.displacement or self.stress,)
+        if not any(value):
+            raise ValueError("is zero; without a load there is no failure to predict")
+        return self
+
+
+class Analysis(Table):
+    """How to compute: the method, where, and with how fine a model.
+
+    ``points`` (mm), when given, take the place of ``positions`` equally spaced ones on every hole.
+    ``void_stiffness`` is the stiffness of a hole's voxels as a share of the material's.
+    """
+
+    method: Method = "auto"
+    positions: Annotated[Count, Field(ge=1, le=100_000)] = 50
+    points: Annotated[PlanePoints, Field(min_length=1)] | None = None
+    voxels: Literal["auto"] | Count = "auto"
+    void_stiffness: Annotated[Number, Field(ge=1e-9, le=0.1)] = 1e-6
+
+    @field_validator("voxels", mode="before")
+    @classmethod
+    def _number_of_voxels(cls, voxels: object) -> object:
+        whole = isinstance(voxels, int) and not isinstance(voxels, bool)
+        if voxels != "auto" and not (whole and 100 <= voxels <= 100_000_000):  # type: ignore[operator]
+            raise ValueError('must be "auto" or a whole number between 100 and 100000000')
+        return voxels
+
+    @model_validator(mode="after")
+    def _one_choice_of_positions(self) -> Self:
+        if self.points is not None and "positions" in self.model_fields_set:
+            raise ValueError("positions and points contradict each other; give one of them")
+        return self
+
+
+def _exactly_one(table: Table, keys: tuple[str, ...]) -> None:
+    given = [key for key in keys if getattr(table, key) is not None]
+    if len(given) != 1:
+        found = f"has {' and '.join(given)}" if given else "has none"
+        raise ValueError(f"needs exactly one of {', '.join(keys)}; it {found}")
+
+
+class Scene(Table):
+    """A plate with notches under load: everything a prediction needs.
+
+    Made by `read_scene` or `Scene.from_dict`; a scene that exists has been checked.
+
+    Examples
+    --------
+    >>> scene = Scene.from_dict({
+    ...     "plate": {"width": 100.0, "height": 100.0},
+    ...     "holes": [{"shape": "circle", "center": [50.0, 50.0], "radius": 20.0}],
+    ...     "material": {"name": "PMMA"},
+    ...     "load": {"strain": [0.0, 0.1, 0.0]},
+    ... })
+    >>> scene.material.E, len(scene.outlines)
+    (2960.0, 1)
+    >>> scene.with_(load={"stress": 10.0}).load.stress
+    10.0
+    """
+
+    title: Annotated[str, Field(strict=True)] = ""
+    plate: Plate
+    holes: tuple[Hole, ...] = ()
+    cracks: tuple[Crack, ...] = ()
+    material_table: MaterialTable = Field(alias="material")
+    load: Load
+    analysis: Analysis = Analysis()
+
+    @classmethod
+    def from_dict(cls, tables: Mapping[str, Any], folder: str | Path = ".") -> Scene:
+        """Scene from tables as in the scene file.
+
+        Parameters
+        ----------
+        tables : mapping
+            What a scene file holds.
+        folder : path
+            Where the files lie that it names.
+
+        Raises
+        ------
+        SceneError
+            When anything is unknown, missing, out of range, contradictory or geometrically impossible.
+        """
+        return cls._validated(tables, {"folder": Path(folder)})
+
+    @classmethod
+    def _validated(cls, tables: Mapping[str, Any], context: dict[str, Any]) -> Scene:
+        try:
+            return cls.model_validate(dict(tables), context=context)
+        except ValidationError as error:
+            raise SceneError(problems_of(error, _KNOWN_KEYS)) from None
+
+    @property
+    def material(self) -> Material:
+        """The material; G_c in N/mm."""
+        return self.material_table.material()
+
+    @cached_property
+    def outlines(self) -> tuple[Outline, ...]:
+        """Outlines of all holes, in the order of the file; a picture may give several."""
+        return tuple(outline for _, outline in self._named_outlines)
+
+    @cached_property
+    def _named_outlines(self) -> tuple[tuple[str, Outline], ...]:
+        named, problems = [], []
+        for i, hole in enumerate(self.holes):
+            try:
+                outlines = hole.outlines(self.plate)
+            except ValueError as error:
+                file = getattr(hole, "file", None)
+                key = f"holes[{i}]" if file is None else f'holes[{i}].file = "{Path(file).name}"'
+                problems.append(f"{key}: {error}")
+                continue
+            for k, outline in enumerate(outlines):
+                named.append((f"holes[{i}]" + (f" (outline {k})" if len(outlines) > 1 else ""), outline))
+        if problems:
+            raise SceneError(problems)
+        return tuple(named)
+
+    @model_validator(mode="after")
+    def _geometry_is_possible(self, info: ValidationInfo) -> Self:
+        width, height = self.plate.width, self.plate.height
+        if sum(hole.shape == "image" for hole in self.holes) > 1:
+            raise SceneError(["holes: only one image is allowed, because it covers the whole plate"])
+        unchanged: Scene | None = (info.context or {}).get("geometry_of")
+        if unchanged is not None:
+            self.__dict__["_named_outlines"] = unchanged._named_outlines
+        problems = []
+        if unchanged is None:
+            names = [name for name, _ in self._named_outlines]
+            problems = hole_problems(self.outlines, names, width, height)
+        if not problems and self.cracks:
+            cracks = [np.array(crack.points) for crack in self.cracks]
+            problems += crack_problems(cracks, self.outlines, width, height)
+        if self.analysis.points is not None:
+            problems += position_problems(np.array(self.analysis.points), width, height)
+        if problems:
+            raise SceneError(problems)
+        return self
+
+    def with_(self, **changes: Any) -> Scene:
+        """The same scene with changes, checked again.
+
+        Tables are changed key by key: ``scene.with_(analysis={"positions": 20})``. What excludes the new
+        value gives way: another kind of load, positions against points, a material's name against its
+        constants. The lists ``holes`` and ``cracks`` are replaced.
+
+        Raises
+        ------
+        SceneError
+            As `from_dict`.
+        """
+        tables = self.model_dump(by_alias=True, exclude_unset=True)
+        for key, change in changes.items():
+            old = tables.get(key)
+            if not (isinstance(old, dict) and isinstance(change, Mapping)):
+                tables[key] = change
+                continue
+            given_way = {other for new in change for other in _EXCLUDES.get((key, new), ())} - set(change)
+            tables[key] = {**{k: v for k, v in old.items() if k not in given_way}, **change}
+        context: dict[str, Any] = {"folder": Path()}
+        if not {"plate", "holes"} & set(changes):
+            context["geometry_of"] = self
+        return self._validated(tables, context)
+
+
+_LOADS = ("strain", "displacement", "stress")
+_EXCLUDES: dict[tuple[str, str], tuple[str, ...]] = {
+    **{("load", new): tuple(old for old in _LOADS if old != new) for new in _LOADS},
+    **{("material", new): ("name",) for new in MaterialTable.CONSTANTS},
+    ("material", "name"): MaterialTable.CONSTANTS,
+    ("material", "K_Ic"): ("name", "G_c"),
+    ("material", "G_c"): ("name", "K_Ic"),
+    ("analysis", "positions"): ("points",),
+    ("analysis", "points"): ("positions",),
+}
+
+_HOLES: tuple[type[Table], ...] = (CircleHole, EllipseHole, RectangleHole, PointsHole, ImageHole)
+_KNOWN_KEYS: dict[tuple[str, ...], list[str]] = {
+    (): ["title", "plate", "holes", "cracks", "material", "load", "analysis"],
+    ("plate",): list(Plate.model_fields),
+    ("cracks",): list(Crack.model_fields),
+    ("material",): list(MaterialTable.model_fields),
+    ("load",): list(Load.model_fields),
+    ("analysis",): list(Analysis.model_fields),
+    **{
+        ("holes", shape): list(hole.model_fields)
+        for hole, shape in zip(_HOLES, ("circle", "ellipse", "rectangle", "points", "image"), strict=True)
+    },
+}
+
+
+def read_scene(path: str | Path) -> Scene:
+    """Scene from a TOML file; files that it names lie relative to it.
+
+    Raises
+    ------
+    SceneError
+        When the file cannot be read, is not TOML, or describes no scene that can be computed.
+    """
+    path = Path(path)
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise SceneError([f"cannot be read: {error.strerror}"], str(path)) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise SceneError([f"is not a TOML file: {error}"], str(path)) from error
+    try:
+        return Scene.from_dict(tables, path.parent)
+    except SceneError as error:
+        raise SceneError(error.problems, str(path)) from None
