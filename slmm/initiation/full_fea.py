@@ -204,12 +204,12 @@ def plate_stress(
 
 @dataclass(frozen=True)
 class NotchStress:
-    """Stress along one outline: arc length s (n,), points (n, 2), sigma_I (n,) and its error (n,), mm and MPa."""
+    """Stress along one outline of the uncracked plate."""
 
-    s: np.ndarray
-    points: np.ndarray
-    sigma_I: np.ndarray
-    sigma_I_error: np.ndarray
+    s: np.ndarray  # arc lengths (n,), mm
+    points: np.ndarray  # (n, 2), mm
+    sigma_I: np.ndarray  # maximum principal stress (n,), MPa
+    sigma_I_error: np.ndarray  # estimate of its error (n,), MPa
 
 
 def notch_stress(
@@ -320,14 +320,15 @@ def full_fea_curves(
             deep = eta[np.isnan(stress[-1]).any(axis=1)][0]
             raise ValueError(f"eta = {deep!r} mm: the path has left the material there")
         mesh = mesh.refined()
-    # the tip's errors of first and second order in the element size cancel
+    # the tip's errors of first and second order in the element size cancel; at one length the second may
+    # vanish by chance, so the largest along the path is the error estimate of all
     G_inc = (8 * released[2] - 6 * released[1] + released[0]) / 3
     sigma = (4 * stress[2] - stress[1]) / 3
     sigma_I = principal_stress(sigma)
     return FullFEA(
         a=a,
         G_inc=G_inc,
-        G_inc_error=np.abs(G_inc - (2 * released[2] - released[1])),
+        G_inc_error=np.max(np.abs(1 - (2 * released[2] - released[1]) / G_inc)) * G_inc,
         eta=eta,
         sigma=sigma,
         sigma_I=sigma_I,
