@@ -1,0 +1,288 @@
+"""The voxel model: a rectangular plate of bilinear elements whose stiffness varies from voxel to voxel.
+
+Paper A, section 2.2.2. Conjugate gradients in double precision, preconditioned by the multigrid cycle of
+voxel_multigrid in single precision; no matrix is ever assembled. One million voxels need about 110 bytes each.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slmm.fem import voxel_kernels
+from slmm.fem.voxel_element import coefficients, plane_stress
+from slmm.fem.voxel_multigrid import Multigrid, padded_zeros
+
+
+class Load(Protocol):
+    """What loads the plate: exactly one of the three is not None."""
+
+    @property
+    def strain(self) -> tuple[float, float, float] | None:
+        """e_xx, e_yy, g_xy that prescribe the displacements of all four edges."""
+
+    @property
+    def displacement(self) -> float | None:
+        """u_y of the top edge, mm; the bottom edge is held in y, the sides are free."""
+
+    @property
+    def stress(self) -> float | None:
+        """Uniform normal traction on the material of the top and bottom edge, MPa."""
+
+
+class NotConvergedError(RuntimeError):
+    """The voxel solver did not reach its tolerance."""
+
+
+@dataclass(frozen=True)
+class VoxelSolution:
+    """Displacements of a voxel model.
+
+    Attributes
+    ----------
+    u : (ny + 1, nx + 1, 2) array
+        Nodal displacements u_x, u_y, mm; row 0 lies at y = 0. Where a load leaves a rigid motion free, it is
+        chosen so that its mean over the nodes vanishes.
+    iterations : int
+        Conjugate gradient iterations.
+    residual : float
+        Euclidean norm of the nodal forces out of balance, recomputed from u, relative to that of the loads
+        (for prescribed displacements: of the forces they cause when nothing else moves).
+    converged : bool
+        Always true: a solution that did not converge is raised, not returned.
+    """
+
+    u: NDArray[np.float64]
+    iterations: int
+    residual: float
+    converged: bool
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """A load in the terms of the solver, scaled to about one."""
+
+    scale: float  # what the solution has to be multiplied with
+    start: tuple[float, float, float]  # affine field to start from: u_x = a x, u_y = b y, and the shear c
+    free_rows: NDArray[np.bool_]
+    free_sides: bool
+    rigid: tuple[str, ...]
+    traction: bool
+
+
+def solve_voxels(
+    stiffness: NDArray[np.floating],
+    width: float,
+    height: float,
+    nu: float,
+    load: Load,
+    E: float = 1.0,
+    tol: float = 1e-8,
+    max_iterations: int = 200,
+    degree: int = 3,
+) -> VoxelSolution:
+    """Displacements of a plate of voxels in plane stress.
+
+    Parameters
+    ----------
+    stiffness : (ny, nx) array
+        Relative stiffness of each voxel, above 0 and up to 1 (kept in single precision); row 0 lies at y = 0.
+    width, height : float
+        Plate, mm; its lower left corner is the origin.
+    nu, E : float
+        Poisson's ratio and Young's modulus (MPa), or what makes plane stress describe plane strain. E matters
+        to a stress load only.
+    load : object with ``strain``, ``displacement`` and ``stress``
+        Exactly one of them is not None. strain: u_x = e_xx x + g_xy y / 2, u_y = g_xy x / 2 + e_yy y on all
+        four edges. displacement: u_y of the top edge in mm, u_y = 0 at the bottom, sides and u_x free. stress:
+        normal traction in MPa on top and bottom, weighted with the stiffness of the edge's voxels.
+    tol : float
+        Relative residual to reach; see ``VoxelSolution.residual``.
+    max_iterations : int
+        Conjugate gradient iterations after which to give up.
+    degree : int
+        Degree of the Chebyshev smoother.
+
+    Raises
+    ------
+    ValueError
+        When an argument is out of range, or a stress load is not in equilibrium because notches cut the top
+        and the bottom edge differently.
+    NotConvergedError
+        When ``max_iterations`` do not suffice.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> load = SimpleNamespace(strain=(0.0, 0.1, 0.0), displacement=None, stress=None)
+    >>> solution = solve_voxels(np.ones((20, 30)), 3.0, 2.0, 0.3, load)
+    >>> solution.u[-1, 0]
+    array([0. , 0.2])
+    """
+    stiffness = np.asarray(stiffness)
+    _check(stiffness, width, height, nu, E, tol, max_iterations, degree)
+    ny, nx = stiffness.shape
+    problem = _pose(load, nx, ny, height, nu, E)
+    hx, hy = width / nx, height / ny
+    c = coefficients(hx, hy, nu)
+
+    density = padded_zeros(nx, ny, leading=())
+    density[1:-4, 1:-4] = stiffness
+    multigrid = Multigrid(
+        density, nx, ny, width, height, nu, problem.free_rows, problem.free_sides, problem.rigid, degree
+    )
+    free = multigrid.free
+    u, r, r_single = padded_zeros(nx, ny, np.float64), padded_zeros(nx, ny, np.float64), padded_zeros(nx, ny)
+    p = padded_zeros(nx, ny)
+    sums = np.zeros(ny + 5)
+
+    def residual() -> float:
+        r[:] = 0
+        if problem.traction:
+            _apply_traction(r, density, hx)
+        voxel_kernels.subtract_force(density, u, r, r_single, c, free, sums)
+        return math.sqrt(sums.sum())
+
+    if problem.traction:
+        # the load itself, with u still zero
+        reference = residual()
+    else:
+        # the prescribed edges alone, with everything else still at zero
+        _set_affine(u, width, height, problem.start)
+        _clear_unknowns(u, free)
+        reference = residual()
+    _set_affine(u, width, height, problem.start)
+    size = residual()
+    limit = tol * reference
+
+    k = _energy_coefficients(hx, hy, nu)
+    iterations = 0
+    previous = np.inf
+    while size > limit and iterations < max_iterations:
+        z, product = multigrid.precondition(r_single)
+        voxel_kernels.combine(z, p, np.float32(product / previous))
+        voxel_kernels.energy(density, p, k, sums)
+        energy = sums[1 : ny + 1].sum()
+        voxel_kernels.advance(density, p, u, r, r_single, c, product / energy, free, sums)
+        size = math.sqrt(sums[1 : ny + 2].sum())
+        previous = product
+        iterations += 1
+        if size <= limit:
+            size = residual()
+            previous = np.inf
+        if not math.isfinite(size):
+            break
+    if not size <= limit:
+        raise NotConvergedError(
+            f"{nx} x {ny} voxels: residual {size / reference:.1e} after {iterations} iterations, "
+            f"{tol:.1e} wanted; raise max_iterations or the stiffness of the void (now {stiffness.min():.1e})"
+        )
+    relative = size / reference if reference > 0 else 0.0
+    del r, r_single, p, multigrid
+    solution = np.moveaxis(u[:, 1:-3, 1:-3], 0, 2) * problem.scale
+    _remove_rigid(solution, problem.rigid, width, height)
+    return VoxelSolution(solution, iterations, relative, True)
+
+
+def _check(
+    stiffness: NDArray, width: float, height: float, nu: float, E: float, tol: float, limit: int, degree: int
+) -> None:
+    if stiffness.ndim != 2 or min(stiffness.shape) < 2:
+        raise ValueError(f"stiffness has shape {stiffness.shape}: (ny, nx) with at least 2 x 2 voxels is needed")
+    low, high = float(stiffness.min()), float(stiffness.max())
+    if not (low > 0 and high <= 1):  # NaN fails here too
+        raise ValueError(f"stiffness between {low} and {high}: must lie above 0 and not exceed 1")
+    for name, value in (("width", width), ("height", height), ("E", E), ("tol", tol)):
+        if not (math.isfinite(value) and value > 0):
+            raise ValueError(f"{name} = {value!r}: must be a positive number")
+    if not -1 < nu < 1:
+        raise ValueError(f"nu = {nu!r}: must lie between -1 and 1 (in plane stress)")
+    if limit < 1 or degree < 1:
+        raise ValueError(f"max_iterations = {limit}, degree = {degree}: both must be at least 1")
+
+
+def _pose(load: Load, nx: int, ny: int, height: float, nu: float, E: float) -> _Problem:
+    given = [name for name in ("strain", "displacement", "stress") if getattr(load, name) is not None]
+    if len(given) != 1:
+        raise ValueError(f"load has {given or 'nothing'}: exactly one of strain, displacement, stress is needed")
+    value = getattr(load, given[0])
+    if not np.isfinite(value).all():
+        raise ValueError(f"load.{given[0]} = {value!r}: must be finite")
+    free_rows = np.ones((2, ny + 1), bool)
+    uniaxial = (-nu, 1.0, 0.0)
+    if load.strain is not None:
+        scale = max(abs(e) for e in load.strain) or 1.0
+        e_xx, e_yy, g_xy = (e / scale for e in load.strain)
+        free_rows[:, [0, -1]] = False
+        return _Problem(scale, (e_xx, e_yy, g_xy), free_rows, False, (), False)
+    if load.displacement is not None:
+        free_rows[1, [0, -1]] = False
+        return _Problem(load.displacement / height, uniaxial, free_rows, True, ("x",), False)
+    assert load.stress is not None
+    return _Problem(load.stress / E, uniaxial, free_rows, True, ("x", "y", "rotation"), True)
+
+
+def _set_affine(
+    u: NDArray[np.float64], width: float, height: float, strain: tuple[float, float, float]
+) -> None:
+    e_xx, e_yy, g_xy = strain
+    nodes = u[:, 1:-3, 1:-3]
+    x = np.linspace(0, width, nodes.shape[2])
+    y = np.linspace(0, height, nodes.shape[1])[:, None]
+    nodes[0] = e_xx * x + g_xy / 2 * y
+    nodes[1] = g_xy / 2 * x + e_yy * y
+
+
+def _clear_unknowns(u: NDArray[np.float64], free: NDArray[np.float32]) -> None:
+    j0, j1 = int(free[2, 0]), int(free[2, 1])
+    for component in range(2):
+        u[component, free[component] > 0, j0:j1] = 0
+
+
+def _apply_traction(loads: NDArray[np.float64], density: NDArray[np.float32], hx: float) -> None:
+    """Consistent nodal loads of a unit tension on the material of the top and bottom edge (for E = 1)."""
+    top, bottom = (_edge_loads(density[row].astype(float), hx) for row in (-5, 1))
+    x = np.arange(len(top)) - (len(top) - 1) / 2
+    force, moment = top.sum() - bottom.sum(), x @ (top - bottom)
+    if max(abs(force), abs(moment) / len(x)) > 1e-3 * top.sum():
+        raise ValueError(
+            f"load.stress: the material of the top edge carries {top.sum():.6g}, that of the bottom edge "
+            f"{bottom.sum():.6g} times the stress, and they are not in equilibrium (a notch cuts them "
+            "differently); prescribe a displacement or a strain instead"
+        )
+    # what is left is rounding of the densities, but a residual cannot fall below it: balance it exactly
+    basis = np.array([bottom, bottom * x])
+    bottom += np.linalg.solve(basis @ np.array([np.ones_like(x), x]).T, [force, moment]) @ basis
+    loads[1, -4, 1:-3] += top
+    loads[1, 1, 1:-3] -= bottom
+
+
+def _edge_loads(density: NDArray[np.float64], hx: float) -> NDArray[np.float64]:
+    loads: NDArray[np.float64] = hx / 2 * (density[:-4] + density[1:-3])
+    return loads
+
+
+def _energy_coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float32]:
+    """Coefficients of the strain energy in sums and differences of a voxel's corners (voxel_kernels.energy)."""
+    C11, C12, C33 = plane_stress(nu)
+    flat, steep = hy / hx / 4, hx / hy / 4
+    return np.array(
+        [C11 * flat, C11 * steep, C12 / 2, C33 * steep, C33 * flat, 1 / 3, C33 / 2], dtype=np.float32
+    )
+
+
+def _remove_rigid(u: NDArray[np.float64], rigid: tuple[str, ...], width: float, height: float) -> None:
+    """Take the mean of the named rigid motions over all nodes out of ``u``."""
+    for component, name in enumerate("xy"):
+        if name in rigid:
+            u[..., component] -= u[..., component].mean()
+    if "rotation" in rigid:
+        x = np.linspace(-width / 2, width / 2, u.shape[1])
+        y = np.linspace(-height / 2, height / 2, u.shape[0])[:, None]
+        angle = (x * u[..., 1] - y * u[..., 0]).sum() / (x**2 + y**2).sum()
+        u[..., 0] += angle * y
+        u[..., 1] -= angle * x

@@ -1,0 +1,280 @@
+"""Geometric multigrid for the voxel model: a V-cycle in single precision that preconditions the CG of voxel.py.
+
+Galerkin coarse grids, bilinear interpolation, and Chebyshev polynomials of the fourth kind over Jacobi as
+smoother (J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30, 2023).
+They need a bound of the largest eigenvalue only, so nothing has to be estimated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from slmm.fem import voxel_kernels, voxel_stencil
+from slmm.fem.voxel_element import coefficients, largest_eigenvalue
+
+Field = NDArray[np.float32]
+
+PADDING = 5  # rows and columns of an array beyond the number of intervals: n + 1 nodes, one zero before, three after
+DIRECT = 300  # nodes below which a grid is solved directly
+
+
+def padded_zeros(nx: int, ny: int, dtype: type = np.float32, leading: tuple[int, ...] = (2,)) -> NDArray:
+    """Zeros in the layout of voxel_kernels for nx by ny intervals."""
+    return np.zeros((*leading, ny + PADDING, nx + PADDING), dtype)
+
+
+@dataclass
+class Grid:
+    """One coarse grid: its stencils, fields and how it hangs on the finer one."""
+
+    stencil: Field  # (rows, 19, columns)
+    free: Field  # (3, rows), see voxel_kernels
+    weights_x: Field  # (2, columns of nodes + 1) interpolation from this grid to the finer one
+    weights_y: Field
+    bound: float  # of the eigenvalues of D^-1 A
+    b: Field
+    u: Field
+    other: Field
+
+
+class Multigrid:
+    """V-cycle for one voxel model.
+
+    Parameters
+    ----------
+    density : float32 array
+        Relative stiffness in the padded layout of voxel_kernels.
+    nx, ny : int
+        Number of voxels.
+    width, height : float
+        Plate, mm.
+    nu : float
+        Poisson's ratio (plane stress equivalent).
+    free_rows : (2, ny + 1) bool array
+        Whether u_x, u_y are unknown in the node rows.
+    free_sides : bool
+        Whether the nodes on the left and right edge are unknown.
+    rigid : sequence of {"x", "y", "rotation"}
+        Rigid motions that nothing holds.
+    degree : int
+        Degree of the Chebyshev smoother, before and after the coarse correction.
+    """
+
+    def __init__(
+        self,
+        density: Field,
+        nx: int,
+        ny: int,
+        width: float,
+        height: float,
+        nu: float,
+        free_rows: NDArray[np.bool_],
+        free_sides: bool,
+        rigid: tuple[str, ...] = (),
+        degree: int = 3,
+    ) -> None:
+        hx, hy = width / nx, height / ny
+        self.density = density
+        self.coefficients = coefficients(hx, hy, nu).astype(np.float32)
+        self.free = _free(free_rows, free_sides, nx)
+        self.bound = largest_eigenvalue(hx, hy, nu)
+        self.degree = degree
+        self.u = padded_zeros(nx, ny)
+        self.other = padded_zeros(nx, ny)
+        self.products = np.zeros(ny + PADDING)
+        self.grids: list[Grid] = []
+        x, y = np.linspace(0, width, nx + 1), np.linspace(0, height, ny + 1)
+        while len(x) * len(y) > DIRECT and min(len(x), len(y)) > 3:
+            weights_x, weights_y = _weights(x), _weights(y)
+            x, y, rows = _every_second(x), _every_second(y), _every_second(np.arange(free_rows.shape[1]))
+            free_rows = free_rows[:, rows]
+            self._append_grid(len(x) - 1, len(y) - 1, weights_x, weights_y, free_rows, free_sides)
+        self._factorise(x, y, free_rows, free_sides, rigid)
+
+    def _append_grid(
+        self,
+        nx: int,
+        ny: int,
+        weights_x: Field,
+        weights_y: Field,
+        free_rows: NDArray[np.bool_],
+        free_sides: bool,
+    ) -> None:
+        stencil = np.zeros((ny + PADDING, 19, nx + PADDING), np.float32)
+        if self.grids:
+            voxel_stencil.coarsen_stencil(self.grids[-1].stencil, weights_x, weights_y, stencil)
+        else:
+            voxel_stencil.coarsen_voxels(self.density, self.coefficients, weights_x, weights_y, stencil)
+        free = _free(free_rows, free_sides, nx)
+        b, u, other = (padded_zeros(nx, ny) for _ in range(3))
+        bound = _largest_eigenvalue(stencil, free, u)
+        u[:] = 0
+        self.grids.append(Grid(stencil, free, weights_x, weights_y, bound, b, u, other))
+
+    def _factorise(
+        self,
+        x: NDArray[np.float64],
+        y: NDArray[np.float64],
+        free_rows: NDArray[np.bool_],
+        free_sides: bool,
+        rigid: tuple[str, ...],
+    ) -> None:
+        """LU of the coarsest grid; rigid motions that nothing holds are fixed by Lagrange multipliers."""
+        nx, ny = len(x) - 1, len(y) - 1
+        if self.grids:
+            stencil = self.grids[-1].stencil.astype(float)
+        else:
+            stencil = np.zeros((ny + PADDING, 19, nx + PADDING))
+            for i in range(1, ny + 2):
+                voxel_kernels.stencil_row(i, self.density, self.coefficients.astype(float), stencil[i])
+        A = _matrix(stencil[1:-3, :, 1:-3])
+        unknown = np.repeat(free_rows[:, :, None], nx + 1, axis=2)
+        if not free_sides:
+            unknown[:, :, [0, -1]] = False
+        self._unknown = np.flatnonzero(unknown)
+        A = A[self._unknown][:, self._unknown]
+        # float32 has spoiled the last digits of the stencils: keep islands in the void from turning indefinite
+        A = A + sp.diags_array(1e-6 * A.diagonal())
+        motions = _rigid_motions(x, y, rigid)[:, self._unknown]
+        self._multipliers = len(motions)
+        if self._multipliers:
+            border = sp.csr_array(motions * A.diagonal().mean())
+            A = sp.block_array([[A, border.T], [border, None]])
+        self._lu = splu(A.tocsc())
+
+    def _solve_coarsest(self, b: Field, u: Field) -> None:
+        rhs = np.zeros(len(self._unknown) + self._multipliers)
+        inner = b[:, 1:-3, 1:-3]
+        rhs[: len(self._unknown)] = inner.ravel()[self._unknown]
+        solution = np.zeros(inner.size)
+        solution[self._unknown] = self._lu.solve(rhs)[: len(self._unknown)]
+        u[:, 1:-3, 1:-3] = solution.reshape(inner.shape)
+
+    def precondition(self, b: Field) -> tuple[Field, float]:
+        """One V-cycle from zero: z, about A^-1 b, and b . z. The array z belongs to this object."""
+        if not self.grids:
+            self._solve_coarsest(b, self.u)
+            return self.u, float(np.sum(b * self.u, dtype=float))
+        density, c, free = self.density, self.coefficients, self.free
+        u, other = self.u, self.other
+        steps = chebyshev_steps(self.degree, self.bound)
+        voxel_kernels.smooth_from_zero(density, b, u, c, steps[0][1], free)
+        for number, (momentum, step) in enumerate(steps[1:]):
+            # the start was zero, whatever ``other`` holds in the first of these steps
+            old = momentum if number else np.float32(0)
+            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, old, step, free, self.products)
+            u, other = other, u
+        first = self.grids[0]
+        voxel_stencil.restrict_from_voxels(
+            density, u, b, c, free, first.weights_x, first.weights_y, first.b
+        )
+        voxel_stencil.prolong(self._cycle(0), u, first.weights_x, first.weights_y)
+        for momentum, step in steps:
+            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, momentum, step, free, self.products)
+            u, other = other, u
+        return u, float(self.products.sum())
+
+    def _cycle(self, level: int) -> Field:
+        """The coarse correction: V-cycle from grid ``level`` on for its right-hand side."""
+        grid = self.grids[level]
+        if level == len(self.grids) - 1:
+            self._solve_coarsest(grid.b, grid.u)
+            return grid.u
+        u, other = grid.u, grid.other
+        steps = chebyshev_steps(self.degree, grid.bound)
+        voxel_stencil.smooth_from_zero(grid.stencil, grid.b, u, steps[0][1], grid.free)
+        for number, (momentum, step) in enumerate(steps[1:]):
+            old = momentum if number else np.float32(0)
+            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, old, step, grid.free)
+            u, other = other, u
+        coarser = self.grids[level + 1]
+        voxel_stencil.restrict_from_stencil(
+            grid.stencil, u, grid.b, grid.free, coarser.weights_x, coarser.weights_y, coarser.b
+        )
+        voxel_stencil.prolong(self._cycle(level + 1), u, coarser.weights_x, coarser.weights_y)
+        for momentum, step in steps:
+            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, momentum, step, grid.free)
+            u, other = other, u
+        return u
+
+
+def chebyshev_steps(degree: int, bound: float) -> list[tuple[np.float32, np.float32]]:
+    """Momentum and step of each degree: u_k = u + momentum (u - u_old) + step D^-1 (b - A u)."""
+    return [
+        (np.float32((2 * k - 3) / (2 * k + 1) if k > 1 else 0.0), np.float32((8 * k - 4) / (2 * k + 1) / bound))
+        for k in range(1, degree + 1)
+    ]
+
+
+def _free(free_rows: NDArray[np.bool_], free_sides: bool, nx: int) -> Field:
+    free = np.zeros((3, free_rows.shape[1] + PADDING - 1), np.float32)
+    free[:2, 1:-3] = free_rows
+    free[2, :2] = (1, nx + 2) if free_sides else (2, nx + 1)
+    return free
+
+
+def _every_second(nodes: NDArray) -> NDArray:
+    """Every second node, and always the last."""
+    return nodes[::2] if len(nodes) % 2 else np.append(nodes[::2], nodes[-1])
+
+
+def _weights(x: NDArray[np.float64]) -> Field:
+    """Weights of the coarse neighbours of each odd node, in the layout of voxel_stencil."""
+    left, middle = x[:-1:2], x[1::2]
+    right = x[2::2] if len(x) % 2 else np.append(x[2::2], x[-1])
+    weights = np.zeros((2, len(middle) + 2), np.float32)
+    t = (middle - left) / (right - left)
+    weights[:, 1:-1] = 1 - t, t
+    return weights
+
+
+def _largest_eigenvalue(stencil: Field, free: Field, scale: Field) -> float:
+    """Gershgorin bound of D^-1 A; ``scale`` is working space."""
+    j0, j1 = int(free[2, 0]), int(free[2, 1])
+    for component, q in enumerate((0, 2)):
+        rows = np.flatnonzero(free[component])
+        scale[component, rows[0] : rows[-1] + 1, j0:j1] = 1 / np.sqrt(
+            stencil[rows[0] : rows[-1] + 1, q, j0:j1]
+        )
+    bounds = np.zeros(len(stencil), np.float32)
+    voxel_stencil.row_sum_bound(stencil, scale, free, bounds)
+    return float(bounds.max())
+
+
+def _matrix(stencil: NDArray[np.float64]) -> sp.csr_array:
+    """The (small) sparse matrix of a stencil (rows, 19, columns), unknowns in the order (component, row, column)."""
+    rows, _, columns = stencil.shape
+    node = np.arange(rows * columns).reshape(rows, columns)
+    i, j, value = [], [], []
+    for q, components in ((0, (0, 0)), (1, (0, 1)), (2, (1, 1))):
+        i.append(node + components[0] * node.size)
+        j.append(node + components[1] * node.size)
+        value.append(stencil[:, q] * (1.0 if q == 1 else 0.5))
+    for q, (up, right) in ((3, (0, 1)), (7, (1, 0)), (11, (1, 1)), (15, (1, -1))):
+        start, stop = max(0, -right), columns - max(0, right)
+        here = np.s_[: rows - up, start:stop]
+        there = np.s_[up:, start + right : stop + right]
+        for k in range(4):
+            i.append(node[here] + k // 2 * node.size)
+            j.append(node[there] + k % 2 * node.size)
+            value.append(stencil[here[0], q + k, here[1]])
+    entries = (np.concatenate([v.ravel() for v in value]),)
+    indices = (np.concatenate([v.ravel() for v in i]), np.concatenate([v.ravel() for v in j]))
+    half = sp.coo_array((*entries, indices), shape=(2 * node.size, 2 * node.size)).tocsr()
+    return (half + half.T).tocsr()
+
+
+def _rigid_motions(
+    x: NDArray[np.float64], y: NDArray[np.float64], rigid: tuple[str, ...]
+) -> NDArray[np.float64]:
+    """The named rigid motions as rows of unit length, orthogonal to each other."""
+    one, zero = np.ones((len(y), len(x))), np.zeros((len(y), len(x)))
+    X, Y = np.meshgrid(x - x.mean(), y - y.mean())
+    motions = {"x": (one, zero), "y": (zero, one), "rotation": (-Y, X)}
+    rows = [np.concatenate([part.ravel() for part in motions[name]]) for name in rigid]
+    return np.array([row / np.linalg.norm(row) for row in rows]).reshape(len(rows), 2 * one.size)
