@@ -40,8 +40,8 @@ class Outline:
     --------
     >>> from slmm.contours.shapes import circle
     >>> outline = Outline.through(circle((50, 50), 20.0))
-    >>> round(outline.length, 6), round(float(outline.curvatures(3.0)), 6)
-    (125.663706, -0.05)
+    >>> round(outline.length, 4), round(float(outline.curvatures(3.0)), 4)
+    (125.6637, -0.05)
     """
 
     breaks: Array

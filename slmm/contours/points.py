@@ -94,6 +94,6 @@ def point_problems(points: Array) -> list[str]:
         x, y = points[sharpest]
         return [
             f"the outline turns by {turn[sharpest]:.0f} degrees at point {sharpest}, ({x:.6g}, {y:.6g}):"
-            f" a corner has no curvature; round it and give more points there (at most {MAX_TURN:.0f} degrees each)"
+            f" a corner has no curvature; round it, with at most {MAX_TURN:.0f} degrees at each point"
         ]
     return []

@@ -1,0 +1,113 @@
+"""Reference scenes that the README, the tests and the validation share.
+
+Every function takes changes as `Scene.with_` does, e.g. ``circular_hole(material={"name": "PS"},
+analysis={"method": "full-fea"})``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from slmm.scene import Scene
+
+
+def circular_hole(radius: float = 20.0, size: float = 100.0, e_yy: float = 0.1, **changes: Any) -> Scene:
+    """Square PMMA plate with a circular hole in its centre, stretched in y (Paper A, Fig. 13).
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the hole, mm.
+    size : float
+        Side of the plate, mm.
+    e_yy : float
+        Strain in y; the displacement of all four edges is prescribed.
+    **changes
+        Changes to the scene, see `Scene.with_`.
+
+    Examples
+    --------
+    >>> circular_hole(radius=5.0, analysis={"positions": 8}).analysis.positions
+    8
+    """
+    hole = {"shape": "circle", "center": [size / 2, size / 2], "radius": radius}
+    return _scene("Circular hole", size, hole, (0.0, e_yy, 0.0), changes)
+
+
+def elliptic_hole(e_yy: float = 0.1, **changes: Any) -> Scene:
+    """PMMA plate, 100 mm x 100 mm, with an elliptic hole, 20 mm x 10 mm semi-axes, long across the load."""
+    hole = {"shape": "ellipse", "center": [50.0, 50.0], "semi_axes": [20.0, 10.0]}
+    return _scene("Elliptic hole", 100.0, hole, (0.0, e_yy, 0.0), changes)
+
+
+def rounded_square(e_yy: float = 0.1, **changes: Any) -> Scene:
+    """PMMA plate, 100 mm x 100 mm, with a 30 mm x 30 mm hole whose corners have a radius of 6 mm."""
+    hole = {"shape": "rectangle", "center": [50.0, 50.0], "size": [30.0, 30.0], "corner_radius": 6.0}
+    return _scene("Rounded square", 100.0, hole, (0.0, e_yy, 0.0), changes)
+
+
+def lobed_notch(strain: Sequence[float] = (0.0, 0.1, 0.0), **changes: Any) -> Scene:
+    """PMMA plate, 100 mm x 100 mm, with a smooth hole of several lobes and no symmetry.
+
+    Its mean radius is 20 mm. The lobes have radii of curvature down to 5.8 mm; between them the outline bends
+    into the hole with radii down to 4 mm.
+
+    Parameters
+    ----------
+    strain : (3,) sequence of float
+        e_xx, e_yy, gamma_xy.
+    **changes
+        Changes to the scene, see `Scene.with_`.
+    """
+    hole = {"shape": "points", "points": lobes(center=(50.0, 50.0), radius=20.0)}
+    return _scene("Lobed notch", 100.0, hole, tuple(strain), changes)
+
+
+def sapora_plate(radius: float, **changes: Any) -> Scene:
+    """PMMA plate with a small circular hole under uniform tension, after Sapora et al. (Paper A, Fig. 14).
+
+    Published are the thickness of 10 mm, the radii from 0.25 mm to 2 mm and the material (plane strain,
+    nu = 0.38). Width and height of the real specimens are not published in the thesis; 20 mm x 40 mm is
+    our choice, wide enough for a hole of 2 mm. The load is a unit to scale from, 10 MPa.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the hole, mm.
+    **changes
+        Changes to the scene, see `Scene.with_`.
+    """
+    return Scene.from_dict(
+        {
+            "title": f"Sapora plate, r = {radius:g} mm",
+            "plate": {"width": 20.0, "height": 40.0, "thickness": 10.0},
+            "holes": [{"shape": "circle", "center": [10.0, 20.0], "radius": radius}],
+            "material": {"E": 2960.0, "nu": 0.38, "sigma_c": 70.5, "K_Ic": 1.96, "state": "plane strain"},
+            "load": {"stress": 10.0},
+        }
+    ).with_(**changes)
+
+
+def lobes(center: tuple[float, float], radius: float, n: int = 360) -> list[list[float]]:
+    """Points (n, 2), mm, on r(theta) = radius (1 + 0.1 cos 3 theta + 0.12 cos(5 theta + 0.9))."""
+    theta = np.linspace(0.0, 2 * np.pi, n, endpoint=False)
+    r = radius * (1 + 0.1 * np.cos(3 * theta) + 0.12 * np.cos(5 * theta + 0.5))
+    points = np.column_stack([center[0] + r * np.cos(theta), center[1] + r * np.sin(theta)])
+    return points.tolist()
+
+
+def _scene(
+    title: str, size: float, hole: dict[str, Any], strain: tuple[float, ...], changes: dict[str, Any]
+) -> Scene:
+    return Scene.from_dict(
+        {
+            "title": title,
+            "plate": {"width": size, "height": size, "thickness": 1.0},
+            "holes": [hole],
+            "material": {"name": "PMMA"},
+            "load": {"strain": list(strain)},
+        }
+    ).with_(**changes)

@@ -1,0 +1,295 @@
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from slmm.contours import shapes
+from slmm.scene import Scene, read_scene
+from slmm.scene_error import SceneError
+
+CIRCLE = {"shape": "circle", "center": [50.0, 50.0], "radius": 20.0}
+ELLIPSE = {"shape": "ellipse", "center": [50.0, 50.0], "semi_axes": [20.0, 10.0]}
+RECTANGLE = {"shape": "rectangle", "center": [50.0, 50.0], "size": [30.0, 20.0], "corner_radius": 5.0}
+BASE = {
+    "plate": {"width": 100.0, "height": 100.0},
+    "holes": [CIRCLE],
+    "material": {"name": "PMMA"},
+    "load": {"strain": [0.0, 0.1, 0.0]},
+}
+USER = {"E": 3000.0, "nu": 0.3, "sigma_c": 50.0}
+
+
+def scene_with(**tables):
+    return {**copy.deepcopy(BASE), **tables}
+
+
+def outline_of(points):
+    return {"holes": [{"shape": "points", "points": np.asarray(points).tolist()}]}
+
+
+def star(n=200):
+    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    return np.column_stack([50 + 20 * np.sin(t), 50 + 20 * np.sin(2 * t + 0.3)])  # a figure of eight
+
+
+RING = shapes.circle((50.0, 50.0), 20.0)[::10]
+
+REFUSED = [
+    # keys
+    ({"colour": "red"}, r'^colour = "red": is not a known key; known here: title, plate, holes'),
+    ({"holes": [{**CIRCLE, "raduis": 3}]}, r"^holes\[0\]\.raduis = 3: is not a known key;.* radius$"),
+    ({"plate": {"width": 100.0}}, r"^plate\.height: is missing"),
+    ({"plate": 7}, r"^plate = 7: must be a table"),
+    ({"holes": {"shape": "circle"}}, r"^holes = .*must be a list"),
+    ({"title": 3}, r"^title = 3: must be a text"),
+    # numbers
+    ({"holes": [{**CIRCLE, "radius": -3}]}, r"^holes\[0\]\.radius = -3: must be greater than 0$"),
+    ({"holes": [{**CIRCLE, "radius": float("inf")}]}, r"^holes\[0\]\.radius = inf: must be"),
+    ({"holes": [{**CIRCLE, "radius": "20"}]}, r'^holes\[0\]\.radius = "20": must be a number'),
+    ({"holes": [{**CIRCLE, "center": [50.0]}]}, r"^holes\[0\]\.center\[1\]: is missing"),
+    (
+        {"holes": [{**CIRCLE, "center": [1, 2, 3]}]},
+        r"^holes\[0\]\.center: has 3 entries; must have at most 2",
+    ),
+    (
+        {"holes": [{**CIRCLE, "center": [float("nan"), 2]}]},
+        r"^holes\[0\]\.center\[0\] = nan: must be a finite",
+    ),
+    ({"plate": {"width": 100.0, "height": 0}}, r"^plate\.height = 0: must be greater than 0"),
+    (
+        {"plate": {"width": 100.0, "height": 100.0, "thickness": True}},
+        r"^plate\.thickness = True: must be a num",
+    ),
+    # shapes
+    ({"holes": [{**CIRCLE, "shape": "cirkle"}]}, r'^holes\[0\]\.shape = "cirkle": must be one of \'circle\''),
+    ({"holes": [{"center": [1, 2]}]}, r"^holes\[0\]\.shape: is missing; circle"),
+    ({"holes": [{**RECTANGLE, "corner_radius": 11}]}, r"^holes\[0\]: corner_radius = 11: .*smaller side, 10"),
+    (
+        {"holes": [{**RECTANGLE, "corner_radius": 0}]},
+        r"^holes\[0\]: corner_radius = 0: .*sharp corner has no curv",
+    ),
+    (
+        {"holes": [{**ELLIPSE, "semi_axes": [30.0, 0.2]}]},
+        r"^holes\[0\]: the outline has a corner at \(80, 50\)",
+    ),
+    ({"holes": [{"shape": "points"}]}, r"^holes\[0\]: needs exactly one of points, file; it has none"),
+    (outline_of(RING[:5]), r"^holes\[0\]: has 5 different points: must have between 8 and"),
+    (outline_of(np.insert(RING, 3, RING[3], axis=0)), r"^holes\[0\]: points 3 and 4 coincide"),
+    (outline_of(star()), r"^holes\[0\]: the outline crosses or touches itself"),
+    (
+        outline_of(
+            [
+                [20 + 5 * x, 20 + 5 * y]
+                for x, y in [(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+            ]
+        ),
+        r"turns by 90 degrees at point",
+    ),
+    (
+        {"holes": [{"shape": "points", "file": "no.csv"}]},
+        r'^holes\[0\]\.file = "no.csv": there is no such file',
+    ),
+    # holes and plate
+    ({"holes": [{**CIRCLE, "radius": 500}]}, r"^holes\[0\]: covers the whole plate"),
+    ({"holes": [{**CIRCLE, "center": [200, 50]}]}, r"^holes\[0\]: lies outside the plate"),
+    ({"holes": [{**CIRCLE, "center": [20, 50]}]}, r"^holes\[0\]: just touches the plate's edge"),
+    ({"holes": [CIRCLE, CIRCLE]}, r"^holes\[0\] and holes\[1\]: one lies within the other"),
+    ({"holes": [CIRCLE, {**CIRCLE, "radius": 3}]}, r"^holes\[0\] and holes\[1\]: one lies within the other"),
+    (
+        {"holes": [CIRCLE, {**CIRCLE, "center": [85, 50], "radius": 19}]},
+        r"^holes\[0\] and holes\[1\]: touch or cross",
+    ),
+    ({"holes": [CIRCLE, {**CIRCLE, "center": [90, 50]}]}, r"^holes\[0\] and holes\[1\]: touch or cross"),
+    ({"holes": [{**RECTANGLE, "size": [120, 20]}]}, r"^holes: cut the plate into 2 pieces"),
+    # cracks
+    ({"cracks": [{"points": [[0, 40]]}]}, r"^cracks\[0\]\.points: has 1 entries; must have at least 2"),
+    ({"cracks": [{"points": [[-10, 40], [10, 40]]}]}, r"^cracks\[0\]: leaves the plate"),
+    (
+        {"cracks": [{"points": [[0, 50], [60, 50]]}]},
+        r"^cracks\[0\]: its tip \(60, 50\) must lie inside the mat",
+    ),
+    ({"cracks": [{"points": [[0, 50], [90, 50]]}]}, r"^cracks\[0\]: runs through a hole"),
+    ({"cracks": [{"points": [[0, 50], [0, 50]]}]}, r"^cracks\[0\]: points 0 and 1 coincide"),
+    ({"cracks": [{"points": [[5, 50], [10, 50]]}]}, r"^cracks\[0\]: its first point \(5, 50\) lies inside"),
+    ({"cracks": [{"points": [[0, 10], [20, 10], [10, 20], [10, 5]]}]}, r"^cracks\[0\]: crosses itself"),
+    (
+        {"cracks": [{"points": [[0, 10], [20, 10]]}, {"points": [[10, 0], [10, 20]]}]},
+        r"^cracks\[0\] and cracks",
+    ),
+    # material
+    ({"material": {"name": "PMM"}}, r'^material\.name = "PMM": must be one of PMMA, PS, Al2O3'),
+    ({"material": {"name": "PMMA", "E": 3.0}}, r"^material: name .*contradicts E"),
+    ({"material": {"E": 3.0, "K_Ic": 1.0}}, r"^material: nu, sigma_c missing"),
+    ({"material": USER}, r"^material: needs exactly one of K_Ic, G_c; it has none"),
+    ({"material": {**USER, "K_Ic": 1.0, "G_c": 1.0}}, r"^material: .*it has K_Ic and G_c"),
+    ({"material": {**USER, "nu": 0.5, "G_c": 1.0}}, r"^material\.nu = 0.5: must be less than 0.5"),
+    ({"material": {"name": "PMMA", "state": "plane"}}, r'^material\.state = "plane": must be one of'),
+    # load
+    ({"load": {}}, r"^load: needs exactly one of strain, displacement, stress; it has none"),
+    ({"load": {"strain": [0, 1, 0], "stress": 2}}, r"^load: .*it has strain and stress"),
+    ({"load": {"strain": [0, 0, 0]}}, r"^load: is zero"),
+    ({"load": {"stress": 0}}, r"^load: is zero"),
+    ({"load": {"strain": [0, 0.1]}}, r"^load\.strain\[2\]: is missing"),
+    # analysis
+    ({"analysis": {"method": "fea"}}, r"^analysis\.method = \"fea\": must be one of 'rankine'"),
+    ({"analysis": {"voxels": "many"}}, r'^analysis\.voxels = "many": must be "auto" or a whole number'),
+    ({"analysis": {"voxels": 3}}, r'^analysis\.voxels = 3: must be "auto" or a whole number'),
+    ({"analysis": {"positions": 0}}, r"^analysis\.positions = 0: must be at least 1"),
+    ({"analysis": {"positions": 2.5}}, r"^analysis\.positions = 2.5: must be a whole number"),
+    ({"analysis": {"positions": 9, "points": [[1, 2]]}}, r"^analysis: positions and points contradict"),
+    (
+        {"analysis": {"points": [[1, 200]]}},
+        r"^analysis\.points\[0\] = \[1, 200\]: must lie in or near the plate",
+    ),
+    ({"analysis": {"points": []}}, r"^analysis\.points: has 0 entries"),
+    ({"analysis": {"void_stiffness": 1}}, r"^analysis\.void_stiffness = 1: must be at most 0.1"),
+]
+
+
+@pytest.mark.parametrize(("tables", "says"), REFUSED, ids=[says[1:40] for _, says in REFUSED])
+def test_what_is_wrong_is_named_with_its_key_and_value(tables, says):
+    with pytest.raises(SceneError, match=says):
+        Scene.from_dict(scene_with(**tables))
+
+
+@pytest.mark.parametrize("section", ["plate", "material", "load"])
+def test_a_section_that_is_missing_is_named(section):
+    tables = scene_with()
+    del tables[section]
+    with pytest.raises(SceneError, match=f"^{section}: is missing$"):
+        Scene.from_dict(tables)
+
+
+def test_all_problems_are_listed_at_once_with_the_file(tmp_path):
+    (tmp_path / "a.toml").write_text(
+        '[plate]\nwidth = -1\nheight = "a"\n[material]\nname="PS"\n[load]\nstress=1\n'
+    )
+    with pytest.raises(SceneError) as caught:
+        read_scene(tmp_path / "a.toml")
+    assert str(caught.value).splitlines() == [
+        f"{tmp_path / 'a.toml'}: 2 problems",
+        "  plate.width = -1: must be greater than 0",
+        '  plate.height = "a": must be a number',
+    ]
+
+
+def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path):
+    with pytest.raises(SceneError, match=r"none\.toml: cannot be read"):
+        read_scene(tmp_path / "none.toml")
+    (tmp_path / "b.toml").write_text("plate = [")
+    with pytest.raises(SceneError, match=r"b\.toml: is not a TOML file"):
+        read_scene(tmp_path / "b.toml")
+    (tmp_path / "c.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match=r"c\.toml: is not a TOML file"):
+        read_scene(tmp_path / "c.toml")
+
+
+@pytest.mark.parametrize("hole", [CIRCLE, ELLIPSE, RECTANGLE, outline_of(RING)["holes"][0]])
+def test_every_shape_gives_one_outline(hole):
+    (outline,) = Scene.from_dict(scene_with(holes=[hole])).outlines
+    np.testing.assert_allclose(outline.polygon(400).mean(axis=0), (50, 50), atol=1e-3)
+
+
+def test_a_notch_may_cut_the_edge_and_a_crack_may_start_at_the_edge_or_in_a_hole():
+    scene = Scene.from_dict(
+        scene_with(
+            holes=[{**CIRCLE, "center": [0, 50]}, {**CIRCLE, "center": [100, 100], "radius": 5}],
+            cracks=[{"points": [[19, 50], [25, 52], [30, 52]]}, {"points": [[100, 10], [90, 10]]}],
+        )
+    )
+    assert len(scene.outlines) == 2 and scene.cracks[0].points[-1] == (30.0, 52.0)
+
+
+def test_a_plate_needs_no_hole():
+    assert Scene.from_dict(scene_with(holes=[], cracks=[{"points": [[0, 40], [10, 40]]}])).outlines == ()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x,y\n{:.9f},{:.9f}",
+        "{:.9f}; {:.9f}",
+        "# comment\n\nx [mm]\ty [mm]\n{:.9f}\t{:.9f}",
+        "\ufeff{:.9f} {:.9f}",
+    ],
+    ids=["comma", "semicolon", "tab", "blank"],
+)
+def test_points_come_from_a_file_next_to_the_scene(tmp_path, text):
+    first, *rest = text.splitlines()[::-1]
+    rows = [*rest[::-1], *[first.format(x, y).lstrip("\ufeff") for x, y in RING]]
+    (tmp_path / "ring.csv").write_text("\n".join(rows), encoding="utf-8")
+    scene = Scene.from_dict(scene_with(holes=[{"shape": "points", "file": "ring.csv"}]), tmp_path)
+    assert scene.outlines[0].length == pytest.approx(40 * np.pi, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("x,y\n1,2\n3,abc", r"line 3 = '3,abc': must hold two numbers"),
+        ("1,2\n3,4,5", r"line 2 = '3,4,5': must hold two numbers"),
+        ("1,2\n3,nan", r"line 2 = '3,nan': must be finite numbers"),
+        ("1,5;2,5\n1,5;3,5", r"line 2 .*must hold two numbers"),
+        ("", r"has 0 different points"),
+    ],
+    ids=["text", "three", "nan", "decimal comma", "empty"],
+)
+def test_a_points_file_is_refused_by_its_line(tmp_path, text, says):
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(SceneError, match=r'^holes\[0\]\.file = "a\.csv": ' + says):
+        Scene.from_dict(scene_with(holes=[{"shape": "points", "file": "a.csv"}]), tmp_path)
+
+
+def test_a_binary_points_file_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_bytes(bytes(range(256)))
+    with pytest.raises(SceneError, match="not a readable text file"):
+        Scene.from_dict(scene_with(holes=[{"shape": "points", "file": "a.csv"}]), tmp_path)
+
+
+def test_an_image_must_fit_the_plate_and_come_alone(tmp_path):
+    x, y = np.meshgrid(np.arange(50), np.arange(50))
+    dark = np.hypot(x - 24.5, y - 24.5) < 15
+    Image.fromarray(np.where(dark, 0, 255).astype(np.uint8)).save(tmp_path / "a.png")
+    image = {"shape": "image", "file": "a.png", "pixel_size": 2.0}
+    scene = Scene.from_dict(scene_with(holes=[image]), tmp_path)
+    assert scene.outlines[0].length == pytest.approx(60 * np.pi, rel=0.02)
+    with pytest.raises(SceneError, match=r'^holes\[0\]\.file = "a.png": the picture has 50 x 50 pixels'):
+        Scene.from_dict(scene_with(holes=[{**image, "pixel_size": 1.0}]), tmp_path)
+    with pytest.raises(SceneError, match=r"^holes: only one image"):
+        Scene.from_dict(scene_with(holes=[image, image]), tmp_path)
+
+
+def test_the_material_follows_name_toughness_or_energy():
+    by_energy = Scene.from_dict(scene_with(material={**USER, "G_c": 0.5})).material
+    assert (by_energy.E, by_energy.G_c) == (3000.0, 0.5)
+    by_toughness = Scene.from_dict(scene_with(material={**USER, "K_Ic": 1.0})).material
+    assert by_toughness.G_c == pytest.approx(1000.0 / 3000.0)
+    strain = Scene.from_dict(scene_with(material={**USER, "K_Ic": 1.0, "state": "plane strain"})).material
+    assert strain.G_c == pytest.approx(1000.0 / 3000.0 * (1 - 0.3**2))
+
+
+def test_a_changed_scene_is_a_new_one_and_checked():
+    scene = Scene.from_dict(scene_with(analysis={"positions": 9}))
+    changed = scene.with_(load={"stress": 5.0}, analysis={"points": [[70, 50]], "voxels": 10_000})
+    assert scene.load.strain == (0.0, 0.1, 0.0) and scene.analysis.points is None
+    assert changed.load.strain is None and changed.load.stress == 5.0 and changed.analysis.voxels == 10_000
+    assert changed.with_(analysis={"positions": 7}).analysis.points is None
+    assert changed.outlines[0] is scene.outlines[0]  # the geometry is the same and not computed again
+    assert scene.with_(material={"state": "plane strain"}).material.name == "PMMA"
+    assert scene.with_(material={**USER, "G_c": 0.5}).with_(material={"K_Ic": 1.0}).material.E == 3000.0
+    assert scene.with_(holes=[{**CIRCLE, "radius": 10}]).outlines[0].length < 63
+    with pytest.raises(SceneError, match=r"covers"):
+        scene.with_(plate={"width": 5.0, "height": 5.0}, holes=[{**CIRCLE, "center": [2.0, 2.0]}])
+    with pytest.raises(SceneError, match=r"^analysis\.methods"):
+        scene.with_(analysis={"methods": "slmm"})
+    with pytest.raises(SceneError, match=r"^colour"):
+        scene.with_(colour=1)
+
+
+def test_a_scene_is_immutable_and_travels_between_processes():
+    scene = Scene.from_dict(scene_with())
+    with pytest.raises(ValueError, match="frozen"):
+        scene.title = "other"
+    copied = pickle.loads(pickle.dumps(scene))
+    assert copied == scene and copied.outlines[0].length == scene.outlines[0].length
