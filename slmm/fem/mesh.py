@@ -232,7 +232,7 @@ def plate_mesh(
             break
         if not np.all(kept[n_boundary:]):
             raise RuntimeError(
-                "the mesher cut an edge of the crack path: node distances must change smoothly along it"
+                "the mesher cut an edge of the crack path: its node distances may change by a third at most"
             )
         # the mesher wanted shorter boundary edges here than we gave: halve them on the true curve, mesh again
         parameters = _halved(parameters, origin, ~kept[:n_boundary])

@@ -21,6 +21,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from slmm.fem.crack_line import crack_factor
 from slmm.fem.mesh import PlateMesh, plate_mesh
 
+#: from one path element to the next at most; also the mesher follows steps up to 1.5 alone
+GROWTH = 1.25
 #: a mesh and its uniform refinements
 LEVELS = 3
 #: reference coordinates of the six nodes of a quadratic triangle
@@ -255,6 +257,7 @@ def full_fea_curves(
     start: Sequence[float] | None = None,
     direction: Sequence[float] | None = None,
     size_max: float | None = None,
+    angle_max: float = 0.25,
 ) -> FullFEA:
     """Released energy and stress along a straight crack path by full FEA, extrapolated from three meshes.
 
@@ -269,15 +272,16 @@ def full_fea_curves(
     a_max : float
         Longest crack, mm.
     n_lengths : int
-        Number of crack lengths, evenly spaced in log(a). More lengths also mean smaller elements.
+        Number of crack lengths, evenly spaced in log(a). Many lengths also mean small elements.
     a_min : float
         Shortest crack, mm, by default a_max/120.
     eta : ndarray, shape (m,), optional
         Depths where the stress is wanted, mm; by default 0 and the crack lengths.
     start, direction : sequence of 2 floats, optional
         In place of a notch: any boundary point, mm, and the direction of the path from it.
-    size_max : float, optional
-        Largest element, mm; by default a twelfth of the plate's shorter side.
+    size_max, angle_max : float, optional
+        Largest element (mm, by default an eighth of the plate's shorter side) and largest turn (rad) of an
+        outline along one, in the coarsest of the three meshes.
 
     Returns
     -------
@@ -306,15 +310,18 @@ def full_fea_curves(
         raise ValueError(f"n_lengths = {n_lengths!r}: at least 2")
     a = np.geomspace(a_min, a_max, n_lengths)
     depth = path_depths(a)
+    # where the lengths are among the vertices of the path
+    last_nodes = len(depth) - 1 - nodes_per_length(a) * np.arange(n_lengths)[::-1]
     eta = np.concatenate([[0.0], a]) if eta is None else np.asarray(eta, dtype=float)
     plate = scene.plate
-    mesh = plate_mesh(
-        plate.width, plate.height, scene.outlines, origin + depth[:, None] * along, size_max=size_max
-    )
+    if size_max is None:
+        size_max = min(plate.width, plate.height) / 8
+    path = origin + depth[:, None] * along
+    mesh = plate_mesh(plate.width, plate.height, scene.outlines, path, size_max, angle_max)
     released, stress = [], []
     for level in range(LEVELS):
         model = PlateModel(mesh, scene)
-        released.append(model.released_energy()[:: 2**level][-n_lengths:] / a)
+        released.append(model.released_energy()[last_nodes * 2**level] / a)
         stress.append(model.stress_at(origin + eta[:, None] * along))
         if np.any(np.isnan(stress[-1])):
             deep = eta[np.isnan(stress[-1]).any(axis=1)][0]
@@ -339,15 +346,25 @@ def full_fea_curves(
 
 
 def path_depths(a: np.ndarray) -> np.ndarray:
-    """Depths of the nodes on the path: 0, equal steps to the first length a (n,), and the lengths themselves.
+    """Depths of the nodes on a path whose tip visits the lengths a (n,), evenly spaced in log(a).
+
+    The last step to a length is at most GROWTH - 1 of it: between the lengths more nodes are put where
+    needed, and equal steps lead to the first one.
 
     Examples
     --------
-    >>> path_depths(np.array([1.0, 1.5, 2.0]))
-    array([0. , 0.5, 1. , 1.5, 2. ])
+    >>> path_depths(np.array([0.6, 0.72, 0.864]))
+    array([0.   , 0.12 , 0.24 , 0.36 , 0.48 , 0.6  , 0.72 , 0.864])
     """
-    steps = max(1, round(a[0] / (a[1] - a[0])))
-    return np.concatenate([np.linspace(0.0, a[0], steps + 1)[:-1], a])
+    k = nodes_per_length(a)
+    grown = np.geomspace(a[0], a[-1], k * (len(a) - 1) + 1)
+    steps = max(1, round(grown[0] / (grown[1] - grown[0])))
+    return np.concatenate([np.linspace(0.0, a[0], steps + 1)[:-1], grown])
+
+
+def nodes_per_length(a: np.ndarray) -> int:
+    """Number of path elements between two of the lengths a (n,), which are evenly spaced in log(a)."""
+    return max(1, int(np.ceil(np.log(a[1] / a[0]) / np.log(GROWTH) - 1e-9)))
 
 
 def _path_start(
