@@ -94,6 +94,8 @@ REFUSED = [
     # holes and plate
     ({"holes": [{**CIRCLE, "radius": 500}]}, r"^holes\[0\]: covers the whole plate"),
     ({"holes": [{**CIRCLE, "center": [200, 50]}]}, r"^holes\[0\]: lies outside the plate"),
+    ({"holes": [{**CIRCLE, "center": [-20, 50]}]}, r"^holes\[0\]: lies outside the plate"),
+    ({"holes": [{**CIRCLE, "radius": 1e-6}]}, r"^holes\[0\]: is too small for the plate"),
     ({"holes": [{**CIRCLE, "center": [20, 50]}]}, r"^holes\[0\]: just touches the plate's edge"),
     ({"holes": [CIRCLE, CIRCLE]}, r"^holes\[0\] and holes\[1\]: one lies within the other"),
     ({"holes": [CIRCLE, {**CIRCLE, "radius": 3}]}, r"^holes\[0\] and holes\[1\]: one lies within the other"),

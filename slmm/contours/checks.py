@@ -33,6 +33,7 @@ def hole_problems(
     """
     plate = box(0.0, 0.0, width, height)
     tolerance = TOLERANCE * max(width, height)
+    inside = plate.buffer(-tolerance)
     holes = [_polygon(outline) for outline in outlines]
     problems = [
         f"{name}: the outline crosses or touches itself: {explain_validity(hole)}"
@@ -45,9 +46,11 @@ def hole_problems(
     for name, hole in zip(names, holes, strict=True):
         left, bottom, right, top = hole.bounds
         extent = f"it spans x = {left:.6g} to {right:.6g}, y = {bottom:.6g} to {top:.6g}"
-        if hole.covers(plate):
+        if max(right - left, top - bottom) <= tolerance:
+            problems.append(f"{name}: is too small for the plate; {extent}")
+        elif hole.covers(plate):
             problems.append(f"{name}: covers the whole plate; {extent}")
-        elif hole.intersection(plate).area <= tolerance**2:
+        elif not hole.intersects(inside):
             problems.append(f"{name}: lies outside the plate (0 to {width:g}, 0 to {height:g}); {extent}")
         elif min(abs(left), abs(bottom), abs(right - width), abs(top - height)) <= tolerance:
             problems.append(
@@ -55,8 +58,11 @@ def hole_problems(
                 " Move it away from the edge, or let a notch go on beyond it"
             )
     for i, first in enumerate(holes):
+        around = box(*first.bounds).buffer(tolerance)
         for j in range(i + 1, len(holes)):
             second, pair = holes[j], f"{names[i]} and {names[j]}"
+            if not around.intersects(box(*second.bounds)):
+                continue
             if first.contains(second) or second.contains(first):
                 problems.append(f"{pair}: one lies within the other")
             elif first.distance(second) <= tolerance:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+from scipy.ndimage import binary_dilation
 from skimage.color import rgb2gray, rgba2rgb
 from skimage.filters import gaussian, threshold_otsu
 from skimage.io import imread
@@ -42,6 +43,9 @@ class Edges:
 
 ANTIALIASED = Edges(blur=0.7, deviation=0.03, wavelength=2.0)
 STAIRS = Edges(blur=1.0, deviation=0.15, wavelength=4.0)
+#: pixels by which noise of the whole contrast would move an edge after the blur (0.8), and half as much again
+#: because noise that is clipped at black and white looks smaller than it is on the grey edge
+GRAIN_TO_EDGE = 1.2
 
 
 def outlines_in_picture(path: Path, pixel_size: float, width: float, height: float) -> list[Outline]:
@@ -78,6 +82,7 @@ def outlines_in_picture(path: Path, pixel_size: float, width: float, height: flo
     grey = _grey_values(path)
     dark, light = _levels(grey)
     edges = STAIRS if _is_black_and_white(grey, dark, light) else ANTIALIASED
+    deviation = np.hypot(edges.deviation, GRAIN_TO_EDGE * _grain(grey, dark, light))
     grey = gaussian(np.pad(grey, FRAME, mode="edge"), edges.blur, mode="nearest")
     grey = np.pad(_round_off_ends(grey, light), 1, constant_values=light)
 
@@ -99,7 +104,7 @@ def outlines_in_picture(path: Path, pixel_size: float, width: float, height: flo
             raise ValueError(f"a loose piece of material lies within the hole at ({x:.4g}, {y:.4g}) mm")
         length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
         wavelength = edges.wavelength * np.sqrt(length / (2 * np.pi) * pixel_size)
-        outlines.append(Outline.through(points, edges.deviation * pixel_size, wavelength))
+        outlines.append(Outline.through(points, deviation * pixel_size, wavelength))
     if not outlines:
         raise ValueError("the picture shows no hole (dark = hole)")
     return outlines
@@ -165,6 +170,14 @@ def _is_black_and_white(grey: Array, dark: float, light: float) -> bool:
     edge = np.count_nonzero(np.diff(share > 0.5, axis=0)) + np.count_nonzero(np.diff(share > 0.5, axis=1))
     between = np.count_nonzero((share > 0.1) & (share < 0.9))
     return bool(between < 0.2 * edge)
+
+
+def _grain(grey: Array, dark: float, light: float) -> float:
+    """Noise of the grey values away from all edges, as a share of the contrast."""
+    hole = grey < 0.5 * (dark + light)
+    flat = ~(binary_dilation(hole, iterations=3) & binary_dilation(~hole, iterations=3))
+    steps = np.diff(grey, axis=1)[flat[:, 1:] & flat[:, :-1]]
+    return float(np.sqrt((steps**2).mean() / 2)) / (light - dark) if steps.size else 0.0
 
 
 def _round_off_ends(padded: Array, light: float) -> Array:

@@ -36,6 +36,15 @@ def test_circle_of_20_pixels(tmp_path, center, antialiased, radius_error, curvat
     assert errors[0] < radius_error and errors[1] < curvature_error
 
 
+def test_grain_of_a_scan_is_smoothed_away(tmp_path):
+    path = picture(tmp_path / "a.png", disc(30.3, 29.6, 20.0), 60, 60)
+    with Image.open(path) as clean:
+        grey = np.asarray(clean) + np.random.default_rng(0).normal(0.0, 0.05 * 255, (60, 60))
+    Image.fromarray(np.clip(grey, 0, 255).astype(np.uint8)).save(path)
+    (outline,) = outlines_in_picture(path, 1.0, 60.0, 60.0)
+    assert radius_and_curvature_error(outline, (30.3, 29.6), 20.0)[1] < 0.1
+
+
 def test_pixel_size_scales_the_outline(tmp_path):
     path = picture(tmp_path / "a.png", disc(30, 20, 12.0), 60, 50)
     (one,) = outlines_in_picture(path, 1.0, 60.0, 50.0)
