@@ -135,7 +135,7 @@ def solve_voxels(
     multigrid = Multigrid(
         density, nx, ny, width, height, nu, problem.free_rows, problem.free_sides, problem.rigid, degree
     )
-    free = multigrid.free
+    free, columns = multigrid.free, multigrid.columns
     u, r, r_single = padded_zeros(nx, ny, np.float64), padded_zeros(nx, ny, np.float64), padded_zeros(nx, ny)
     p = padded_zeros(nx, ny)
     sums = np.zeros(ny + 5)
@@ -144,7 +144,7 @@ def solve_voxels(
         r[:] = 0
         if problem.traction:
             _apply_traction(r, density, hx)
-        voxel_kernels.subtract_force(density, u, r, r_single, c, free, sums)
+        voxel_kernels.subtract_force(density, u, r, r_single, c, free, columns, sums)
         return math.sqrt(sums.sum())
 
     if problem.traction:
@@ -153,7 +153,7 @@ def solve_voxels(
     else:
         # the prescribed edges alone, with everything else still at zero
         _set_affine(u, width, height, problem.start)
-        _clear_unknowns(u, free)
+        _clear_unknowns(u, free, columns)
         reference = residual()
     _set_affine(u, width, height, problem.start)
     size = residual()
@@ -167,7 +167,7 @@ def solve_voxels(
         voxel_kernels.combine(z, p, np.float32(product / previous))
         voxel_kernels.energy(density, p, k, sums)
         energy = sums[1 : ny + 1].sum()
-        voxel_kernels.advance(density, p, u, r, r_single, c, product / energy, free, sums)
+        voxel_kernels.advance(density, p, u, r, r_single, c, product / energy, free, columns, sums)
         size = math.sqrt(sums[1 : ny + 2].sum())
         previous = product
         iterations += 1
@@ -237,10 +237,10 @@ def _set_affine(
     nodes[1] = g_xy / 2 * x + e_yy * y
 
 
-def _clear_unknowns(u: NDArray[np.float64], free: NDArray[np.float32]) -> None:
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
-    for component in range(2):
-        u[component, free[component] > 0, j0:j1] = 0
+def _clear_unknowns(
+    u: NDArray[np.float64], free: NDArray[np.float32], columns: NDArray[np.float32]
+) -> None:
+    u *= 1 - free[:, :, None] * columns
 
 
 def _apply_traction(loads: NDArray[np.float64], density: NDArray[np.float32], hx: float) -> None:

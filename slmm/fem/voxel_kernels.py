@@ -4,8 +4,11 @@ Layout. A field is an array (2, rows, columns), u_x and u_y apart so that loops 
 carries a ring of zeros: node (i, j) is at [i + 1, j + 1], and voxel (i, j), between nodes (i, j) and
 (i + 1, j + 1), is at density[i + 1, j + 1]. The ring's densities are zero, so no edge is a special case.
 
-``free`` says which unknowns there are: free[0, i] and free[1, i] are 1 or 0 for u_x and u_y in row i of the
-array, and the columns free[2, 0] to free[2, 1] (end excluded) may move. That describes all three loads.
+Ones and zeros say which unknowns there are: ``free[0, i]`` and ``free[1, i]`` for u_x and u_y in row i of the
+array, ``columns[j]`` for both in column j. That describes all three loads.
+
+All loops run from the literal 1 over full rows: only then can LLVM exclude negative indices, which numba wraps
+around, and vectorise.
 
 Sums are kept per row and added afterwards, so they do not depend on the number of threads.
 """
@@ -20,11 +23,14 @@ from numba import njit, prange
 llvmlite.binding.set_option("slmm", "--runtime-memory-check-threshold=128")
 
 REASSOCIATE = {"reassoc", "contract", "nsz", "arcp"}  # but keep NaN and infinity: they must not pass unseen
-row_kernel = njit(cache=True, fastmath=REASSOCIATE, boundscheck=False)
-grid_kernel = njit(cache=True, fastmath=REASSOCIATE, boundscheck=False, parallel=True)
+# "numpy": a division must not be able to raise, or the loop around it stays scalar
+OPTIONS = {"cache": True, "fastmath": REASSOCIATE, "boundscheck": False, "error_model": "numpy"}
+row_kernel = njit(**OPTIONS)
+grid_kernel = njit(parallel=True, **OPTIONS)
+inlined = njit(inline="always", **OPTIONS)  # LLVM alone finds these bodies too long, and a call stops it too
 
 
-@row_kernel
+@inlined
 def node_force(j, low, high, xs, xc, xn, ys, yc, yn, c):
     """Nodal force at column j from the rows below (s), at (c) and above (n) and the two rows of voxels."""
     one = c[10]  # in the precision of the coefficients: sums of float32 densities would be rounded
@@ -53,14 +59,14 @@ def node_force(j, low, high, xs, xc, xn, ys, yc, yn, c):
 
 
 @row_kernel
-def _smooth_row(low, high, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, c, now, old, step, fx, fy, j0, j1):
+def _smooth_row(low, high, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, c, now, old, step, fx, fy, columns):
     product = 0.0
     step_x, step_y = fx * step / c[0], fy * step / c[4]
-    for j in range(j0, j1):
+    for j in range(1, len(columns) - 3):
         force_x, force_y = node_force(j, low, high, xs, xc, xn, ys, yc, yn, c)
         total = low[j - 1] + low[j] + high[j - 1] + high[j]
-        new_x = now * xc[j] - old * ox[j] + step_x * (bx[j] - force_x) / total
-        new_y = now * yc[j] - old * oy[j] + step_y * (by[j] - force_y) / total
+        new_x = now * xc[j] - old * ox[j] + step_x * columns[j] * (bx[j] - force_x) / total
+        new_y = now * yc[j] - old * oy[j] + step_y * columns[j] * (by[j] - force_y) / total
         ox[j] = new_x
         oy[j] = new_y
         product += new_x * bx[j] + new_y * by[j]
@@ -68,46 +74,44 @@ def _smooth_row(low, high, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, c, now, old, 
 
 
 @grid_kernel
-def smooth(density, u, b, other, c, now, old, step, free, products):
+def smooth(density, u, b, other, c, now, old, step, free, columns, products):
     """other = now * u - old * other + step * D^-1 (b - A u), one Chebyshev step; products: b . other by row."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, u.shape[1] - 3):
         products[i] = _smooth_row(
             density[i - 1], density[i], u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1],
-            b[0, i], b[1, i], other[0, i], other[1, i], c, now, old, step, free[0, i], free[1, i], j0, j1,
+            b[0, i], b[1, i], other[0, i], other[1, i], c, now, old, step, free[0, i], free[1, i], columns,
         )  # fmt: skip
 
 
 @row_kernel
-def _scale_row(low, high, bx, by, ox, oy, step_x, step_y, j0, j1):
-    for j in range(j0, j1):
+def _scale_row(low, high, bx, by, ox, oy, step_x, step_y, columns):
+    for j in range(1, len(columns) - 3):
         total = low[j - 1] + low[j] + high[j - 1] + high[j]
-        ox[j] = step_x * bx[j] / total
-        oy[j] = step_y * by[j] / total
+        ox[j] = step_x * columns[j] * bx[j] / total
+        oy[j] = step_y * columns[j] * by[j] / total
 
 
 @grid_kernel
-def smooth_from_zero(density, b, u, c, step, free):
+def smooth_from_zero(density, b, u, c, step, free, columns):
     """u = step * D^-1 b, the first Chebyshev step when the start is zero."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, u.shape[1] - 3):
         _scale_row(
             density[i - 1], density[i], b[0, i], b[1, i], u[0, i], u[1, i],
-            step * free[0, i] / c[0], step * free[1, i] / c[4], j0, j1,
+            step * free[0, i] / c[0], step * free[1, i] / c[4], columns,
         )  # fmt: skip
 
 
 @row_kernel
-def residual_row(i, density, u, b, c, free, j0, j1, out):
+def residual_row(i, density, u, b, c, free, columns, out):
     """out (2, columns) = (b - A u) in row i."""
     low, high = density[i - 1], density[i]
     xs, xc, xn, ys, yc, yn = u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1]
     bx, by, ox, oy = b[0, i], b[1, i], out[0], out[1]
     fx, fy = free[0, i], free[1, i]
-    for j in range(j0, j1):
+    for j in range(1, len(columns) - 3):
         force_x, force_y = node_force(j, low, high, xs, xc, xn, ys, yc, yn, c)
-        ox[j] = fx * (bx[j] - force_x)
-        oy[j] = fy * (by[j] - force_y)
+        ox[j] = fx * columns[j] * (bx[j] - force_x)
+        oy[j] = fy * columns[j] * (by[j] - force_y)
 
 
 @row_kernel
@@ -168,12 +172,12 @@ def energy(density, u, k, energies):
 
 
 @row_kernel
-def _advance_row(low, high, xs, xc, xn, ys, yc, yn, ux, uy, rx, ry, zx, zy, c, alpha, fx, fy, j0, j1):
+def _advance_row(low, high, xs, xc, xn, ys, yc, yn, ux, uy, rx, ry, zx, zy, c, alpha, fx, fy, columns):
     square = 0.0
-    for j in range(j0, j1):
+    for j in range(1, len(columns) - 3):
         force_x, force_y = node_force(j, low, high, xs, xc, xn, ys, yc, yn, c)
-        new_x = rx[j] - alpha * fx * force_x
-        new_y = ry[j] - alpha * fy * force_y
+        new_x = rx[j] - alpha * (fx * columns[j]) * force_x
+        new_y = ry[j] - alpha * (fy * columns[j]) * force_y
         ux[j] += alpha * xc[j]
         uy[j] += alpha * yc[j]
         rx[j] = new_x
@@ -185,27 +189,26 @@ def _advance_row(low, high, xs, xc, xn, ys, yc, yn, ux, uy, rx, ry, zx, zy, c, a
 
 
 @grid_kernel
-def advance(density, p, u, r, r_single, c, alpha, free, squares):
+def advance(density, p, u, r, r_single, c, alpha, free, columns, squares):
     """u += alpha p and r -= alpha A p in double precision, for a direction p in single; squares: r . r by row.
 
     Forming A p here and nowhere else keeps r the residual of u, however p and alpha were rounded.
     """
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, u.shape[1] - 3):
         squares[i] = _advance_row(
             density[i - 1], density[i], p[0, i - 1], p[0, i], p[0, i + 1], p[1, i - 1], p[1, i], p[1, i + 1],
             u[0, i], u[1, i], r[0, i], r[1, i], r_single[0, i], r_single[1, i],
-            c, alpha, free[0, i], free[1, i], j0, j1,
+            c, alpha, free[0, i], free[1, i], columns,
         )  # fmt: skip
 
 
 @row_kernel
-def _subtract_row(low, high, xs, xc, xn, ys, yc, yn, rx, ry, zx, zy, c, fx, fy, j0, j1):
+def _subtract_row(low, high, xs, xc, xn, ys, yc, yn, rx, ry, zx, zy, c, fx, fy, columns):
     square = 0.0
-    for j in range(j0, j1):
+    for j in range(1, len(columns) - 3):
         force_x, force_y = node_force(j, low, high, xs, xc, xn, ys, yc, yn, c)
-        new_x = fx * (rx[j] - force_x)
-        new_y = fy * (ry[j] - force_y)
+        new_x = fx * columns[j] * (rx[j] - force_x)
+        new_y = fy * columns[j] * (ry[j] - force_y)
         rx[j] = new_x
         ry[j] = new_y
         zx[j] = new_x
@@ -215,13 +218,12 @@ def _subtract_row(low, high, xs, xc, xn, ys, yc, yn, rx, ry, zx, zy, c, fx, fy, 
 
 
 @grid_kernel
-def subtract_force(density, u, r, r_single, c, free, squares):
+def subtract_force(density, u, r, r_single, c, free, columns, squares):
     """r = r - A u: the residual, when r comes in as the nodal loads."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, u.shape[1] - 3):
         squares[i] = _subtract_row(
             density[i - 1], density[i], u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1],
-            r[0, i], r[1, i], r_single[0, i], r_single[1, i], c, free[0, i], free[1, i], j0, j1,
+            r[0, i], r[1, i], r_single[0, i], r_single[1, i], c, free[0, i], free[1, i], columns,
         )  # fmt: skip
 
 

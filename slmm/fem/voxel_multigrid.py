@@ -33,7 +33,8 @@ class Grid:
     """One coarse grid: its stencils, fields and how it hangs on the finer one."""
 
     stencil: Field  # (rows, 19, columns)
-    free: Field  # (3, rows), see voxel_kernels
+    free: Field  # (2, rows), see voxel_kernels
+    columns: Field  # (columns,)
     weights_x: Field  # (2, columns of nodes + 1) interpolation from this grid to the finer one
     weights_y: Field
     bound: float  # of the eigenvalues of D^-1 A
@@ -81,7 +82,7 @@ class Multigrid:
         hx, hy = width / nx, height / ny
         self.density = density
         self.coefficients = coefficients(hx, hy, nu).astype(np.float32)
-        self.free = _free(free_rows, free_sides, nx)
+        self.free, self.columns = _free(free_rows, free_sides, nx)
         self.bound = largest_eigenvalue(hx, hy, nu)
         self.degree = degree
         self.u = padded_zeros(nx, ny)
@@ -110,11 +111,11 @@ class Multigrid:
             voxel_stencil.coarsen_stencil(self.grids[-1].stencil, weights_x, weights_y, stencil)
         else:
             voxel_stencil.coarsen_voxels(self.density, self.coefficients, weights_x, weights_y, stencil)
-        free = _free(free_rows, free_sides, nx)
+        free, columns = _free(free_rows, free_sides, nx)
         b, u, other = (padded_zeros(nx, ny) for _ in range(3))
-        bound = _largest_eigenvalue(stencil, free, u)
+        bound = _largest_eigenvalue(stencil, free, columns, u)
         u[:] = 0
-        self.grids.append(Grid(stencil, free, weights_x, weights_y, bound, b, u, other))
+        self.grids.append(Grid(stencil, free, columns, weights_x, weights_y, bound, b, u, other))
 
     def _factorise(
         self,
@@ -160,22 +161,22 @@ class Multigrid:
         if not self.grids:
             self._solve_coarsest(b, self.u)
             return self.u, float(np.sum(b * self.u, dtype=float))
-        density, c, free = self.density, self.coefficients, self.free
+        density, c, free, columns = self.density, self.coefficients, self.free, self.columns
         u, other = self.u, self.other
         steps = chebyshev_steps(self.degree, self.bound)
-        voxel_kernels.smooth_from_zero(density, b, u, c, steps[0][1], free)
+        voxel_kernels.smooth_from_zero(density, b, u, c, steps[0][1], free, columns)
         for number, (momentum, step) in enumerate(steps[1:]):
             # the start was zero, whatever ``other`` holds in the first of these steps
             old = momentum if number else np.float32(0)
-            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, old, step, free, self.products)
+            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, old, step, free, columns, self.products)
             u, other = other, u
         first = self.grids[0]
         voxel_stencil.restrict_from_voxels(
-            density, u, b, c, free, first.weights_x, first.weights_y, first.b
+            density, u, b, c, free, columns, first.weights_x, first.weights_y, first.b
         )
         voxel_stencil.prolong(self._cycle(0), u, first.weights_x, first.weights_y)
         for momentum, step in steps:
-            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, momentum, step, free, self.products)
+            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, momentum, step, free, columns, self.products)
             u, other = other, u
         return u, float(self.products.sum())
 
@@ -187,18 +188,18 @@ class Multigrid:
             return grid.u
         u, other = grid.u, grid.other
         steps = chebyshev_steps(self.degree, grid.bound)
-        voxel_stencil.smooth_from_zero(grid.stencil, grid.b, u, steps[0][1], grid.free)
+        voxel_stencil.smooth_from_zero(grid.stencil, grid.b, u, steps[0][1], grid.free, grid.columns)
         for number, (momentum, step) in enumerate(steps[1:]):
             old = momentum if number else np.float32(0)
-            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, old, step, grid.free)
+            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, old, step, grid.free, grid.columns)
             u, other = other, u
         coarser = self.grids[level + 1]
         voxel_stencil.restrict_from_stencil(
-            grid.stencil, u, grid.b, grid.free, coarser.weights_x, coarser.weights_y, coarser.b
+            grid.stencil, u, grid.b, grid.free, grid.columns, coarser.weights_x, coarser.weights_y, coarser.b
         )
         voxel_stencil.prolong(self._cycle(level + 1), u, coarser.weights_x, coarser.weights_y)
         for momentum, step in steps:
-            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, momentum, step, grid.free)
+            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, momentum, step, grid.free, grid.columns)
             u, other = other, u
         return u
 
@@ -211,11 +212,14 @@ def chebyshev_steps(degree: int, bound: float) -> list[tuple[np.float32, np.floa
     ]
 
 
-def _free(free_rows: NDArray[np.bool_], free_sides: bool, nx: int) -> Field:
-    free = np.zeros((3, free_rows.shape[1] + PADDING - 1), np.float32)
-    free[:2, 1:-3] = free_rows
-    free[2, :2] = (1, nx + 2) if free_sides else (2, nx + 1)
-    return free
+def _free(free_rows: NDArray[np.bool_], free_sides: bool, nx: int) -> tuple[Field, Field]:
+    free = np.zeros((2, free_rows.shape[1] + PADDING - 1), np.float32)
+    free[:, 1:-3] = free_rows
+    columns = np.zeros(nx + PADDING, np.float32)
+    columns[1:-3] = 1
+    if not free_sides:
+        columns[[1, -4]] = 0
+    return free, columns
 
 
 def _every_second(nodes: NDArray) -> NDArray:
@@ -233,16 +237,13 @@ def _weights(x: NDArray[np.float64]) -> Field:
     return weights
 
 
-def _largest_eigenvalue(stencil: Field, free: Field, scale: Field) -> float:
+def _largest_eigenvalue(stencil: Field, free: Field, columns: Field, scale: Field) -> float:
     """Gershgorin bound of D^-1 A; ``scale`` is working space."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for component, q in enumerate((0, 2)):
-        rows = np.flatnonzero(free[component])
-        scale[component, rows[0] : rows[-1] + 1, j0:j1] = 1 / np.sqrt(
-            stencil[rows[0] : rows[-1] + 1, q, j0:j1]
-        )
+        diagonal = stencil[1:-3, q, 1:-3]
+        scale[component, 1:-3, 1:-3] = free[component, 1:-3, None] * columns[1:-3] / np.sqrt(diagonal)
     bounds = np.zeros(len(stencil), np.float32)
-    voxel_stencil.row_sum_bound(stencil, scale, free, bounds)
+    voxel_stencil.row_sum_bound(stencil, scale, free, columns, bounds)
     return float(bounds.max())
 
 

@@ -2,7 +2,7 @@
 
 A stencil array is (rows, 19, columns): per node the block of the node itself (xx, xy, yy) and the blocks
 (xx, xy, yx, yy) that couple it to its neighbours east, north, north-east and north-west. The other half of the
-matrix is the transpose of these. Rows, columns and ``free`` are laid out as in voxel_kernels.
+matrix is the transpose of these. Fields, ``free`` and ``columns`` are laid out as in voxel_kernels.
 
 Coarsening drops every second node but keeps both ends, so Dirichlet edges coincide on all grids. The odd node
 2k + 1 lies between the coarse nodes k and k + 1 with the weights w[0, k] and w[1, k]; when the number of
@@ -15,12 +15,12 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from slmm.fem.voxel_kernels import grid_kernel, residual_row, row_kernel, stencil_row
+from slmm.fem.voxel_kernels import grid_kernel, inlined, residual_row, row_kernel, stencil_row
 
 BLOCK = 16  # coarse rows in sequence per task: fine rows shared by two coarse ones are computed once
 
 
-@row_kernel
+@inlined
 def _node_force(j, S, T, xs, xc, xn, ys, yc, yn):
     """Nodal force at column j; S are the stencils of this row, T of the row below."""
     force_x = (
@@ -41,62 +41,59 @@ def _node_force(j, S, T, xs, xc, xn, ys, yc, yn):
 
 
 @row_kernel
-def _smooth_row(S, T, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, now, old, step_x, step_y, j0, j1):
-    for j in range(j0, j1):
+def _smooth_row(S, T, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, now, old, step_x, step_y, columns):
+    for j in range(1, len(columns) - 3):
         force_x, force_y = _node_force(j, S, T, xs, xc, xn, ys, yc, yn)
-        ox[j] = now * xc[j] - old * ox[j] + step_x * (bx[j] - force_x) / S[0, j]
-        oy[j] = now * yc[j] - old * oy[j] + step_y * (by[j] - force_y) / S[2, j]
+        ox[j] = now * xc[j] - old * ox[j] + step_x * columns[j] * (bx[j] - force_x) / S[0, j]
+        oy[j] = now * yc[j] - old * oy[j] + step_y * columns[j] * (by[j] - force_y) / S[2, j]
 
 
 @grid_kernel
-def smooth(stencil, u, b, other, now, old, step, free):
+def smooth(stencil, u, b, other, now, old, step, free, columns):
     """other = now * u - old * other + step * D^-1 (b - A u), one Chebyshev step."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, u.shape[1] - 3):
         _smooth_row(
             stencil[i], stencil[i - 1],
             u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1],
-            b[0, i], b[1, i], other[0, i], other[1, i], now, old, step * free[0, i], step * free[1, i], j0, j1,
+            b[0, i], b[1, i], other[0, i], other[1, i], now, old, step * free[0, i], step * free[1, i], columns,
         )  # fmt: skip
 
 
 @row_kernel
-def _scale_row(S, bx, by, ox, oy, step_x, step_y, j0, j1):
-    for j in range(j0, j1):
-        ox[j] = step_x * bx[j] / S[0, j]
-        oy[j] = step_y * by[j] / S[2, j]
+def _scale_row(S, bx, by, ox, oy, step_x, step_y, columns):
+    for j in range(1, len(columns) - 3):
+        ox[j] = step_x * columns[j] * bx[j] / S[0, j]
+        oy[j] = step_y * columns[j] * by[j] / S[2, j]
 
 
 @grid_kernel
-def smooth_from_zero(stencil, b, u, step, free):
+def smooth_from_zero(stencil, b, u, step, free, columns):
     """u = step * D^-1 b, the first Chebyshev step when the start is zero."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, u.shape[1] - 3):
         _scale_row(
-            stencil[i], b[0, i], b[1, i], u[0, i], u[1, i], step * free[0, i], step * free[1, i], j0, j1
+            stencil[i], b[0, i], b[1, i], u[0, i], u[1, i], step * free[0, i], step * free[1, i], columns
         )
 
 
 @row_kernel
-def _stencil_residual_row(i, stencil, u, b, free, j0, j1, out):
+def _stencil_residual_row(i, stencil, u, b, free, columns, out):
     S, T = stencil[i], stencil[i - 1]
     xs, xc, xn, ys, yc, yn = u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1]
     bx, by, ox, oy = b[0, i], b[1, i], out[0], out[1]
     fx, fy = free[0, i], free[1, i]
-    for j in range(j0, j1):
+    for j in range(1, len(columns) - 3):
         force_x, force_y = _node_force(j, S, T, xs, xc, xn, ys, yc, yn)
-        ox[j] = fx * (bx[j] - force_x)
-        oy[j] = fy * (by[j] - force_y)
+        ox[j] = fx * columns[j] * (bx[j] - force_x)
+        oy[j] = fy * columns[j] * (by[j] - force_y)
 
 
 @row_kernel
 def _restrict_row(below, at, above, a, c, wx, out):
     """Full weighting of three fine residual rows (below, at, above the coarse row) into one coarse row."""
-    columns = below.shape[1]
-    summed = np.empty(columns, below.dtype)
+    summed = np.empty(below.shape[1], below.dtype)
     for component in range(2):
         low, mid, high = below[component], at[component], above[component]
-        for j in range(columns):
+        for j in range(len(summed)):
             summed[j] = a * low[j] + mid[j] + c * high[j]
         target = out[component]
         for k in range(1, wx.shape[1]):
@@ -105,9 +102,8 @@ def _restrict_row(below, at, above, a, c, wx, out):
 
 
 @grid_kernel
-def restrict_from_voxels(density, u, b, c, free, wx, wy, coarse):
+def restrict_from_voxels(density, u, b, c, free, columns, wx, wy, coarse):
     """coarse = P^T (b - A u) from the voxels; the fine residual never exists as a whole."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     rows, last = wy.shape[1] - 1, u.shape[1] - 4
     for block in prange((rows + BLOCK - 1) // BLOCK):
         r = np.zeros((3, 2, u.shape[2]), b.dtype)
@@ -116,19 +112,18 @@ def restrict_from_voxels(density, u, b, c, free, wx, wy, coarse):
             f = 2 * i - 1
             r[0] = r[2]
             if i == first and f > 1:
-                residual_row(f - 1, density, u, b, c, free, j0, j1, r[0])
+                residual_row(f - 1, density, u, b, c, free, columns, r[0])
             for above in range(2):
                 if f + above <= last:
-                    residual_row(f + above, density, u, b, c, free, j0, j1, r[1 + above])
+                    residual_row(f + above, density, u, b, c, free, columns, r[1 + above])
                 else:
                     r[1 + above] = 0
             _restrict_row(r[0], r[1], r[2], wy[1, i - 1], wy[0, i], wx, coarse[:, i])
 
 
 @grid_kernel
-def restrict_from_stencil(stencil, u, b, free, wx, wy, coarse):
+def restrict_from_stencil(stencil, u, b, free, columns, wx, wy, coarse):
     """coarse = P^T (b - A u) from stencils."""
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     rows, last = wy.shape[1] - 1, u.shape[1] - 4
     for block in prange((rows + BLOCK - 1) // BLOCK):
         r = np.zeros((3, 2, u.shape[2]), b.dtype)
@@ -137,10 +132,10 @@ def restrict_from_stencil(stencil, u, b, free, wx, wy, coarse):
             f = 2 * i - 1
             r[0] = r[2]
             if i == first and f > 1:
-                _stencil_residual_row(f - 1, stencil, u, b, free, j0, j1, r[0])
+                _stencil_residual_row(f - 1, stencil, u, b, free, columns, r[0])
             for above in range(2):
                 if f + above <= last:
-                    _stencil_residual_row(f + above, stencil, u, b, free, j0, j1, r[1 + above])
+                    _stencil_residual_row(f + above, stencil, u, b, free, columns, r[1 + above])
                 else:
                     r[1 + above] = 0
             _restrict_row(r[0], r[1], r[2], wy[1, i - 1], wy[0, i], wx, coarse[:, i])
@@ -275,24 +270,23 @@ def coarsen_stencil(stencil, wx, wy, out):
 
 
 @row_kernel
-def _bound_row(S, T, xs, xc, xn, ys, yc, yn, fx, fy, j0, j1):
+def _bound_row(S, T, xs, xc, xn, ys, yc, yn, fx, fy, columns):
     largest = np.float32(0)
-    for j in range(j0, j1):
+    for j in range(1, len(columns) - 3):
         sum_x, sum_y = _node_force(j, S, T, xs, xc, xn, ys, yc, yn)
         largest = max(largest, max(fx * xc[j] * sum_x, fy * yc[j] * sum_y))
     return largest
 
 
 @grid_kernel
-def row_sum_bound(stencil, scale, free, bounds):
+def row_sum_bound(stencil, scale, free, columns, bounds):
     """Gershgorin: per row the largest sum of |a_ij| / sqrt(a_ii a_jj); bounds the eigenvalues of D^-1 A.
 
     ``scale`` holds 1/sqrt(a_ii) of the free unknowns and zeros elsewhere.
     """
-    j0, j1 = int(free[2, 0]), int(free[2, 1])
     for i in prange(1, scale.shape[1] - 3):
         bounds[i] = _bound_row(
             np.abs(stencil[i]), np.abs(stencil[i - 1]),
             scale[0, i - 1], scale[0, i], scale[0, i + 1], scale[1, i - 1], scale[1, i], scale[1, i + 1],
-            free[0, i], free[1, i], j0, j1,
+            free[0, i], free[1, i], columns,
         )  # fmt: skip
