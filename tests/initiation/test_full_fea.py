@@ -88,7 +88,7 @@ def test_hole_in_a_large_plate_has_kirsch_stress_and_the_published_crack():
     assert curves.sigma_I == pytest.approx(curves.sigma[:, 1], rel=1e-6)
 
 
-def test_released_energy_converges_linearly_and_extrapolated_quadratically():
+def test_released_energy_converges_linearly_and_extrapolated_faster():
     part = scene(100.0, 100.0, [hole()], strain=(0.0, 0.1, 0.0))
     a = np.geomspace(1.0, 8.0, 11)
     path = np.array([70.0, 50.0]) + path_depths(a)[:, None] * [1, 0]
@@ -102,7 +102,7 @@ def test_released_energy_converges_linearly_and_extrapolated_quadratically():
     assert np.log2(change[:-1] / change[1:]) == pytest.approx([1.0, 1.0], abs=0.25)
     once = [2 * fine - coarse for coarse, fine in pairwise(W)]
     change = np.abs(np.diff(once, axis=0)).sum(axis=1)
-    assert np.log2(change[0] / change[1]) > 1.6
+    assert np.log2(change[0] / change[1]) > 2.5
 
 
 def test_error_estimate_covers_the_error():
