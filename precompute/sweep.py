@@ -1,0 +1,94 @@
+"""The sweep over all crack cells: parallel, and resumed where it was killed.
+
+Every cell is a task of its own whose result is written to a part file as one atomic rename. A killed sweep leaves
+whole parts only; the next run with the same settings takes them over, and since a task runs on one thread with
+fixed settings the assembled file is the same as that of an undisturbed run.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from precompute.crack_cell import solve_cell
+from precompute.spec import SweepSpec
+from precompute.unbounded import unbounded_compliance
+
+#: (curvature index, Poisson index); Poisson index -1 is the compliance in an unbounded body
+Task = tuple[int, int]
+
+
+def tasks(spec: SweepSpec) -> list[Task]:
+    """All tasks, the slow ones first."""
+    curvatures = range(len(spec.curvature))
+    return [(i, -1) for i in curvatures] + [(i, j) for i in curvatures for j in range(len(spec.poisson))]
+
+
+def part_file(folder: Path, task: Task) -> Path:
+    """Where the result of a task is kept until the database is assembled."""
+    return folder / f"cell_{task[0]:03d}_{task[1] + 1:03d}.npz"
+
+
+def run_task(spec: SweepSpec, task: Task, folder: Path) -> Task:
+    """Solve one cell and write its part file."""
+    i, j = task
+    lengths = np.array(spec.crack_length)
+    with threadpool_limits(1):  # small matrices: more threads are slower, and order of sums would vary
+        if j < 0:
+            compliance = unbounded_compliance(spec.curvature[i], lengths, spec.orders, spec.fineness)
+            result = {"compliance": compliance}
+        else:
+            cell = solve_cell(
+                spec.curvature[i], spec.poisson[j], lengths, spec.eta, spec.mode_list, spec.fineness
+            )
+            result = {"K": cell.K, "stress": cell.stress}
+    target = part_file(folder, task)
+    unfinished = target.with_suffix(f".{os.getpid()}.partial")
+    with open(unfinished, "wb") as stream:
+        np.savez(stream, **result)  # type: ignore[arg-type]
+        stream.flush()
+        os.fsync(stream.fileno())
+    os.replace(unfinished, target)
+    return task
+
+
+def run_sweep(
+    spec: SweepSpec, folder: Path, workers: int, progress: Callable[[int, int], None] = lambda done, of: None
+) -> None:
+    """Run every task whose part is not in ``folder`` yet.
+
+    Parameters
+    ----------
+    spec : SweepSpec
+        What to sweep.
+    folder : Path
+        Folder of the part files; belongs to this spec alone.
+    workers : int
+        Number of processes; 1 runs in this process.
+    progress : callable
+        Called with the number of finished and of all tasks.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    everything = tasks(spec)
+    left = [task for task in everything if not part_file(folder, task).exists()]
+    done = len(everything) - len(left)
+    progress(done, len(everything))
+    if workers == 1:
+        for task in left:
+            run_task(spec, task, folder)
+            done += 1
+            progress(done, len(everything))
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        futures = [pool.submit(run_task, spec, task, folder) for task in left]
+        for future in as_completed(futures):
+            future.result()
+            done += 1
+            progress(done, len(everything))
