@@ -1,0 +1,161 @@
+"""The local model: one cheap voxel solve of the whole plate that delivers the displacements around its notches.
+
+Paper A, section 2.2.2. Each voxel is as stiff as the material's share of its area.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from slmm.contours.coverage import area_fraction
+from slmm.fem.voxel import Load, solve_voxels
+from slmm.material import Material
+
+SMALLEST_SIDE = 16  # voxels along each side of the plate, at least
+POINTS_PER_VOXEL = 8  # of an outline: its polygon then deviates from the curve by far less than a voxel
+VOID_STIFFNESS = 1e-6  # of the material's; the paper took 0.01
+
+
+class _Plate(Protocol):
+    @property
+    def width(self) -> float: ...
+    @property
+    def height(self) -> float: ...
+
+
+class _Outline(Protocol):
+    def polygon(self, n: int) -> NDArray[np.float64]: ...
+
+
+class _Analysis(Protocol):
+    @property
+    def void_stiffness(self) -> float: ...
+
+
+class _Scene(Protocol):
+    @property
+    def plate(self) -> _Plate: ...
+    @property
+    def outlines(self) -> tuple[_Outline, ...]: ...
+    @property
+    def material(self) -> Material: ...
+    @property
+    def load(self) -> Load: ...
+    @property
+    def analysis(self) -> _Analysis: ...
+
+
+@dataclass(frozen=True)
+class LocalModel:
+    """Displacements of the plate on a grid of voxels.
+
+    Attributes
+    ----------
+    u : (ny + 1, nx + 1, 2) array
+        Nodal displacements u_x, u_y, mm; row 0 lies at y = 0. Bilinear in between (``bilinear``).
+    hx, hy : float
+        Sides of a voxel, mm.
+    nx, ny : int
+        Number of voxels along x and y.
+    density : (ny, nx) array
+        The material's share of each voxel, 0 in a hole to 1.
+    iterations : int
+        Of the solver.
+    residual : float
+        Relative residual of the solver.
+    """
+
+    u: NDArray[np.float64]
+    hx: float
+    hy: float
+    nx: int
+    ny: int
+    density: NDArray[np.float64]
+    iterations: int
+    residual: float
+
+    def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacements (n, 2) at points (n, 2), mm."""
+        return _displacements(self.u, self.hx, self.hy, np.ascontiguousarray(points, dtype=float))
+
+
+def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalModel:
+    """Solve a scene on a grid of about ``voxels`` nearly square voxels.
+
+    Parameters
+    ----------
+    scene : object with ``plate``, ``outlines``, ``material``, ``load`` and ``analysis``
+        Only the outlines' ``polygon(n)`` and the ``void_stiffness`` of the analysis are used of the latter.
+    voxels : int
+        Their total number; each side of the plate has at least 16.
+    tol : float
+        Relative residual of the solver.
+
+    Raises
+    ------
+    ValueError
+        When ``voxels`` or the void's stiffness is out of range.
+    NotConvergedError
+        When the solver fails; see slmm.fem.voxel.
+    """
+    void = scene.analysis.void_stiffness
+    if not 0 < void <= 1:
+        raise ValueError(f"analysis.void_stiffness = {void!r}: must lie above 0 (1e-9 is safe) and not exceed 1")
+    width, height = scene.plate.width, scene.plate.height
+    nx, ny = grid_size(width, height, voxels)
+    hx, hy = width / nx, height / ny
+    polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
+    density = 1 - area_fraction(polygons, width, height, nx, ny)
+    E, nu = scene.material.plane_stress_equivalent
+    solution = solve_voxels(void + (1 - void) * density, width, height, nu, scene.load, E=E, tol=tol)
+    return LocalModel(solution.u, hx, hy, nx, ny, density, solution.iterations, solution.residual)
+
+
+def grid_size(width: float, height: float, voxels: int) -> tuple[int, int]:
+    """Number of nearly square voxels along x and y that together are about ``voxels``.
+
+    Examples
+    --------
+    >>> grid_size(100.0, 50.0, 20_000)
+    (200, 100)
+    """
+    if voxels < SMALLEST_SIDE**2:
+        raise ValueError(f"voxels = {voxels!r}: at least {SMALLEST_SIDE**2} are needed")
+    side = math.sqrt(width * height / voxels)
+    return max(SMALLEST_SIDE, round(width / side)), max(SMALLEST_SIDE, round(height / side))
+
+
+def _fine_polygon(outline: _Outline, h: float) -> NDArray[np.float64]:
+    points = outline.polygon(256)
+    length = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum()
+    n = int(POINTS_PER_VOXEL * length / h)
+    return points if n <= len(points) else outline.polygon(n)
+
+
+@njit(cache=True, inline="always", error_model="numpy")
+def bilinear(u, hx, hy, x, y):
+    """Displacement (u_x, u_y) at x, y (mm); points outside the plate get that of the nearest edge point."""
+    columns, rows = u.shape[1] - 1, u.shape[0] - 1
+    x_scaled = min(max(x / hx, 0.0), float(columns))
+    y_scaled = min(max(y / hy, 0.0), float(rows))
+    i = min(int(y_scaled), rows - 1)
+    j = min(int(x_scaled), columns - 1)
+    s, t = x_scaled - j, y_scaled - i
+    a, b, c, d = (1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t
+    u_x = a * u[i, j, 0] + b * u[i, j + 1, 0] + c * u[i + 1, j, 0] + d * u[i + 1, j + 1, 0]
+    u_y = a * u[i, j, 1] + b * u[i, j + 1, 1] + c * u[i + 1, j, 1] + d * u[i + 1, j + 1, 1]
+    return u_x, u_y
+
+
+@njit(cache=True)
+def _displacements(u, hx, hy, points):
+    values = np.empty_like(points)
+    for k in range(len(points)):
+        values[k, 0], values[k, 1] = bilinear(u, hx, hy, points[k, 0], points[k, 1])
+    return values
