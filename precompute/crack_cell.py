@@ -1,9 +1,10 @@
 """One crack cell: stiffness for every crack length and stress on the crack path (Paper A, section 2.2.3).
 
-The cell is symmetric about the crack line xi = 0, so its half 0 <= xi <= 1 serves both the symmetric and the
-antisymmetric deformation modes, which never couple. One sparse factorisation of the half cell with the whole crack
-line open gives the compliance of the crack line; its inverse is the stiffness S that `crack_factor` needs, for the
-symmetric modes from the xi-displacements of the line and for the antisymmetric ones from its eta-displacements.
+The cell is symmetric about the crack line xi = 0, so its half 0 <= xi <= 1 serves both the symmetric and
+the antisymmetric deformation modes, which never couple. One sparse factorisation of the half cell with the
+whole crack line open gives the compliance of the crack line; its inverse is the stiffness S that
+`crack_factor` needs, for the symmetric modes from the xi-displacements of the line and for the antisymmetric
+ones from its eta-displacements.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 import skfem
-from scipy.interpolate import make_lsq_spline
+from numpy.polynomial.chebyshev import chebvander
 
 from precompute.grading import Fineness, crack_line, graded
 from precompute.half_body import HalfBody
@@ -25,6 +26,9 @@ HALF_HEIGHT = 1.0
 
 #: length l' of the cell's straight edges from the curved side to the opposite one, mm (Paper A, Table 1)
 LENGTH = 2.0
+
+#: degree of the polynomial through the path stress
+PATH_DEGREE = 14
 
 
 def right_edge(curvature: float) -> float:
@@ -120,7 +124,7 @@ def solve_cell(
         u_free[:, which] += unit @ closing
         y = crack_factor(S, closing)
         for j, k in enumerate(opened):
-            Psi[np.ix_([j], which, which)] = 2 * y[:k].T @ y[:k]  # both halves of the cell
+            Psi[j][np.ix_(which, which)] = 2 * y[:k].T @ y[:k]  # both halves of the cell
     u[body.free] = u_free
 
     K0 = 2 * u.T @ (K @ u)
@@ -128,7 +132,7 @@ def solve_cell(
     K0 = 0.5 * (K0 + K0.T)
     stress = path_stress(body, u, nu, eta)
     stress[symmetric, 2] = 0.0
-    stress[np.ix_(~symmetric, [0, 1])] = 0.0
+    stress[~symmetric, :2] = 0.0
     return CellResult(np.concatenate([K0[None], K0 - Psi]), stress)
 
 
@@ -136,9 +140,9 @@ def path_stress(body: HalfBody, u: np.ndarray, nu: float, eta: np.ndarray) -> np
     """Stress on the crack line from the elements beside it, shape (modes, 3, len(eta)), MPa."""
     # the 2 x 2 integration points, where 8-node elements give their best stresses
     inner = 0.5 - np.sqrt(1 / 12)
-    points = np.array([[inner, inner], [inner, 1 - inner]])
+    points = np.array([[inner, inner, 1 - inner, 1 - inner], [inner, 1 - inner, inner, 1 - inner]])
     strip = skfem.Basis(
-        body.basis.mesh, body.basis.elem, elements=body.strip, quadrature=(points, np.full(2, 0.5))
+        body.basis.mesh, body.basis.elem, elements=body.strip, quadrature=(points, np.full(4, 0.25))
     )
     at = strip.global_coordinates()[1]
     length = np.broadcast_to(np.ptp(at, axis=1, keepdims=True), at.shape)
@@ -155,12 +159,12 @@ def path_stress(body: HalfBody, u: np.ndarray, nu: float, eta: np.ndarray) -> np
         strain.append(B @ u)
     exx, eyy, gxy = strain
     stress = np.stack([exx + nu * eyy, eyy + nu * exx, (1 - nu) / 2 * gxy], axis=1) / (1 - nu**2)
-    # Strains of the tiny elements at the tips carry round-off; their integral does not. A least-squares spline
-    # that weighs each point with the length it stands for sees the integral.
-    order = np.argsort(at.ravel())
-    end = body.where[1].max()
-    knots = np.concatenate([np.zeros(6), np.linspace(0, end, 9)[1:-1], np.full(6, end)])
-    fit = make_lsq_spline(
-        at.ravel()[order], stress[order], knots, k=5, w=np.sqrt(length.ravel()[order])
-    )
-    return fit(eta).transpose(2, 1, 0)
+    # Strains of the tiny elements at the tips carry round-off; their integral does not. A least-squares
+    # polynomial that weighs each point with the length it stands for sees the integral.
+    end = min(body.where[1].max(), 1.2 * eta.max())
+    near = at.ravel() < end
+    weight = np.sqrt(length.ravel()[near])[:, None]
+    basis = chebvander(2 * at.ravel()[near] / end - 1, PATH_DEGREE)
+    fit = np.linalg.lstsq(weight * basis, weight * stress.reshape(at.size, -1)[near], rcond=None)[0]
+    values = chebvander(2 * eta / end - 1, PATH_DEGREE) @ fit
+    return values.reshape(len(eta), 3, -1).transpose(2, 1, 0)

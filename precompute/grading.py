@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,9 +27,7 @@ class Fineness:
     coarsest: float = 0.08
 
 
-def graded(
-    length: float, first: float, last: float, growth: float, coarsest: float = np.inf
-) -> np.ndarray:
+def graded(length: float, first: float, last: float, growth: float, coarsest: float = np.inf) -> np.ndarray:
     """Divide [0, length] with sizes that grow geometrically away from both ends.
 
     ``inf`` as the size at one end lets the sizes grow all the way to it.
@@ -59,7 +58,7 @@ def crack_line(lengths: np.ndarray, end: float, fineness: Fineness, coarsest_tai
     tips = np.concatenate([[0.0], lengths])
     pieces = [
         a + graded(b - a, f.tip * a if a > 0 else np.inf, f.tip * b, f.growth, f.coarsest)[:-1]
-        for a, b in zip(tips[:-1], tips[1:], strict=True)
+        for a, b in pairwise(tips)
     ]
     left = end - tips[-1]
     tail = graded(left, f.tip * tips[-1], np.inf, f.growth, coarsest_tail) if left > 0 else np.zeros(1)

@@ -1,14 +1,15 @@
 """Half of a body that is symmetric about a straight crack line, as a finite element model.
 
-Structured 8-node elements with 2 x 2 points, as in Paper A; xi = 0 is the crack line, eta runs along it from the
-mouth inwards. In plane stress the stiffness is K = (K_a + nu K_b) / (1 - nu^2) for E = 1, so a body is assembled
-once for all Poisson's ratios. The crack line is left open: one factorisation then gives its compliance for opening
-(symmetric) and sliding (antisymmetric) alike.
+Structured 8-node elements with 2 x 2 points, as in Paper A; xi = 0 is the crack line, eta runs along it from
+the mouth inwards. In plane stress the stiffness is K = (K_a + nu K_b) / (1 - nu^2) for E = 1, so a body is
+assembled once for all Poisson's ratios. The crack line is left open: one factorisation then gives its
+compliance for opening (symmetric) and sliding (antisymmetric) alike.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -58,17 +59,18 @@ class HalfBody:
         place: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]],
         held: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
     ) -> None:
+        """Divide the square, place it and assemble its stiffness."""
         square = skfem.MeshQuad2.from_mesh(skfem.MeshQuad.init_tensor(across, along))
         element = skfem.ElementVector(skfem.ElementQuadS2())
         corner_dofs = skfem.Basis(square, element, intorder=1)
         at = corner_dofs.doflocs  # in the square's coordinates
-        mesh = skfem.MeshQuad2(np.array(place(*square.doflocs)), square.t)
+        mesh = replace(square, doflocs=np.array(place(*square.doflocs)))
         self.basis = skfem.Basis(mesh, element, intorder=3)
         self.direction = np.zeros(self.basis.N, dtype=int)
         for dofs in (self.basis.nodal_dofs, self.basis.facet_dofs):
             self.direction[dofs[1::2]] = 1
         self.where = self.basis.doflocs
-        self.held = held(*at, self.direction)
+        self.held = held(at[0], at[1], self.direction)
         self.free = ~self.held
         local = np.cumsum(self.free) - 1
         on_line = (at[0] < 1e-12) & self.free

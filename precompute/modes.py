@@ -52,8 +52,8 @@ def published_modes() -> list[Mode]:
 def complete_modes(degree: int) -> list[Mode]:
     """The published modes and every other polynomial with p + q <= degree that adds something.
 
-    On the three straight edges (1 - xi^2)(l - eta) vanishes, so beyond the published ones all powers with p >= 2
-    and q >= 1 only repeat lower ones there.
+    On the three straight edges (1 - xi^2)(l - eta) vanishes, so beyond the published ones all powers with
+    p >= 2 and q >= 1 only repeat lower ones there.
 
     Examples
     --------

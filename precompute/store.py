@@ -40,8 +40,16 @@ def assemble(spec: SweepSpec, folder: Path) -> xr.Dataset:
             "1/MPa",
             "compliance of the crack faces in an unbounded body over a^2",
         ),
-        "right_edge": (np.array([right_edge(c) for c in spec.curvature]), "mm", "eta of the edge facing the notch"),
-        "mode_direction": (np.array([m.direction for m in modes]), "1", "displacement along xi (0) or eta (1)"),
+        "right_edge": (
+            np.array([right_edge(c) for c in spec.curvature]),
+            "mm",
+            "eta of the edge facing the notch",
+        ),
+        "mode_direction": (
+            np.array([m.direction for m in modes]),
+            "1",
+            "displacement along xi (0) or eta (1)",
+        ),
         "mode_p": (np.array([m.p for m in modes]), "1", "power of xi"),
         "mode_q": (np.array([m.q for m in modes]), "1", "power of eta"),
     }
@@ -89,16 +97,21 @@ def assemble(spec: SweepSpec, folder: Path) -> xr.Dataset:
 
 
 def rounded(values: np.ndarray, bits: int = 30) -> np.ndarray:
-    """Values with ``bits`` bits of mantissa (30: 1e-9 relative): the rest is round-off that does not compress."""
+    """Values with ``bits`` bits of mantissa (30: 1e-9 relative); the rest is round-off, not compressible."""
     mantissa, exponent = np.frexp(values)
     return np.ldexp(np.round(mantissa * 2.0**bits) / 2.0**bits, exponent)
 
 
-def write(dataset: xr.Dataset, path: Path) -> None:
-    """Write the file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    encoding = {name: {"zlib": True, "complevel": 9, "shuffle": True} for name in ("K", "stress", "compliance")}
+def write(dataset: xr.Dataset, path: Path, folder: Path) -> None:
+    """Write the file whole or not at all.
+
+    It grows in ``folder``, on the same file system and removed in the end, so that a killed run leaves nothing
+    beside ``path``.
+    """
+    unfinished = folder / f"database.{os.getpid()}.partial"
+    encoding = {
+        name: {"zlib": True, "complevel": 9, "shuffle": True} for name in ("K", "stress", "compliance")
+    }
     try:
         dataset.to_netcdf(unfinished, engine="netcdf4", encoding=encoding)
         os.replace(unfinished, path)

@@ -1,14 +1,16 @@
 """The sweep over all crack cells: parallel, and resumed where it was killed.
 
-Every cell is a task of its own whose result is written to a part file as one atomic rename. A killed sweep leaves
-whole parts only; the next run with the same settings takes them over, and since a task runs on one thread with
-fixed settings the assembled file is the same as that of an undisturbed run.
+Every cell is a task of its own whose result is written to a part file as one atomic rename. A killed sweep
+leaves whole parts only; the next run with the same settings takes them over, and since a task runs on one
+thread with fixed settings the assembled file is the same as that of an undisturbed run.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
+import zipfile
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
@@ -35,6 +37,15 @@ def part_file(folder: Path, task: Task) -> Path:
     return folder / f"cell_{task[0]:03d}_{task[1] + 1:03d}.npz"
 
 
+def is_whole(part: Path) -> bool:
+    """Whether a part file is there and sound (zip archives carry a checksum of every array)."""
+    try:
+        with zipfile.ZipFile(part) as archive:
+            return archive.testzip() is None
+    except (OSError, zipfile.BadZipFile, EOFError):
+        return False
+
+
 def run_task(spec: SweepSpec, task: Task, folder: Path) -> Task:
     """Solve one cell and write its part file."""
     i, j = task
@@ -58,6 +69,19 @@ def run_task(spec: SweepSpec, task: Task, folder: Path) -> Task:
     return task
 
 
+def _end_with_parent() -> None:
+    """Let this process end when the one that started it has been killed: nobody would ever stop it."""
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+
+    def wait() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
 def run_sweep(
     spec: SweepSpec, folder: Path, workers: int, progress: Callable[[int, int], None] = lambda done, of: None
 ) -> None:
@@ -76,7 +100,7 @@ def run_sweep(
     """
     folder.mkdir(parents=True, exist_ok=True)
     everything = tasks(spec)
-    left = [task for task in everything if not part_file(folder, task).exists()]
+    left = [task for task in everything if not is_whole(part_file(folder, task))]
     done = len(everything) - len(left)
     progress(done, len(everything))
     if workers == 1:
@@ -86,7 +110,7 @@ def run_sweep(
             progress(done, len(everything))
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent) as pool:
         futures = [pool.submit(run_task, spec, task, folder) for task in left]
         for future in as_completed(futures):
             future.result()

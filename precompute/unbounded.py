@@ -1,11 +1,12 @@
 """Compliance of crack faces in an unbounded body: the energy that tractions on the faces release.
 
-By superposition the energy released by a new crack is that of the stress on the uncracked path, applied to the crack's
-faces. Written as Legendre polynomials over the crack length, p(eta) = sum_k p_k P_k(2 eta/a - 1), it is
-1/2 p^T C p with a small matrix C(a). In an unbounded body C depends on the notch's curvature only: a circular
-hole where it is concave, a half plane where it is straight, a parabolic bulge where it is convex. Such a body
-carries no outer supports near the crack, so C bounds from above what a supported part releases. E C does not
-depend on Poisson's ratio (plane stress), because stresses in a body under self-equilibrated tractions do not.
+By superposition the energy released by a new crack is that of the stress on the uncracked path, applied to
+the crack's faces. Written as Legendre polynomials over the crack length, p(eta) = sum_k p_k P_k(2 eta/a - 1),
+it is 1/2 p^T C p with a small matrix C(a). In an unbounded body C depends on the notch's curvature only: a
+circular hole where it is concave, a half plane where it is straight, a parabolic bulge where it is convex.
+Such a body carries no outer supports near the crack, so C bounds from above what a supported part releases.
+E C does not depend on Poisson's ratio (plane stress), because stresses in a body under self-equilibrated
+tractions do not.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ def read_cells(path: Path | str) -> xr.Dataset:
     schema = dataset.attrs.get("schema")
     if schema is None:
         raise DatabaseError(f"{path}: not a crack-cell database (no schema attribute)")
-    if int(schema) != SCHEMA:
+    if not np.array_equal(schema, SCHEMA):
         raise DatabaseError(
             f"{path}: schema {schema}, this version reads schema {SCHEMA}; make it anew with slmm-precompute"
         )
