@@ -105,8 +105,8 @@ def rounded(values: np.ndarray, bits: int = 30) -> np.ndarray:
 def write(dataset: xr.Dataset, path: Path, folder: Path) -> None:
     """Write the file whole or not at all.
 
-    It grows in ``folder``, on the same file system and removed in the end, so that a killed run leaves nothing
-    beside ``path``.
+    It grows in ``folder``, which is on the same file system and removed in the end, so that a killed run
+    leaves nothing beside ``path``.
     """
     unfinished = folder / f"database.{os.getpid()}.partial"
     encoding = {
