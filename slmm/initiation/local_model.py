@@ -106,7 +106,9 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
     """
     void = scene.analysis.void_stiffness
     if not 0 < void <= 1:
-        raise ValueError(f"analysis.void_stiffness = {void!r}: must lie above 0 (1e-9 is safe) and not exceed 1")
+        raise ValueError(
+            f"analysis.void_stiffness = {void!r}: must lie above 0 (1e-9 is safe) and not exceed 1"
+        )
     width, height = scene.plate.width, scene.plate.height
     nx, ny = grid_size(width, height, voxels)
     hx, hy = width / nx, height / ny

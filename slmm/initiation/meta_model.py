@@ -1,0 +1,271 @@
+"""The meta-model: crack cells between the stored ones (Paper A, section 2.3.4).
+
+The database is interpolated to one Poisson's ratio first, then to the curvature of each cell. Between Poisson's ratios
+not the stiffnesses but the flexibilities are interpolated: a part is loaded by stresses, and the displacements that a
+given stress causes, the stress and the energy that it brings to the crack path, hardly depend on Poisson's ratio,
+whereas stiffnesses grow without bound towards both ends. Psi stays positive semi-definite: what interpolation leaves
+below zero is cut off.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.polynomial import legendre
+from scipy.interpolate import BarycentricInterpolator, CubicSpline
+
+from slmm.cell_file import DatabaseError, read_cells
+
+#: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes
+RIGID = 1e-7
+
+#: tables between the stored curvatures, per interval; between these Psi is interpolated linearly
+REFINEMENT = 10
+
+
+def shipped_database() -> Path:
+    """The database that comes with the package: models/ in a checkout, slmm/models in a wheel."""
+    package = Path(__file__).resolve().parents[1]
+    for folder in (package / "models", package.parent / "models"):
+        if (folder / "cells.nc").is_file():
+            return folder / "cells.nc"
+    raise DatabaseError(f"no cells.nc in {package / 'models'} or {package.parent / 'models'}")
+
+
+@dataclass(frozen=True)
+class MetaModel:
+    """Crack cells for one effective Poisson's ratio, for E = 1 MPa and a thickness of 1 mm.
+
+    Attributes
+    ----------
+    curvature : ndarray (n_c,)
+        c' of the stored cells, 1/mm.
+    lengths : ndarray (n_a,)
+        Crack lengths a' > 0, mm.
+    eta : ndarray (n_eta,)
+        Points of the path stress, mm.
+    powers : ndarray (m, 3)
+        Direction (0: xi, 1: eta) and powers p, q of each mode.
+    K0 : ndarray (n_c, m, m)
+        Stiffness without a crack, N/mm.
+    Psi : ndarray (n_c, n_a, m, m)
+        Loss of stiffness by a crack, N/mm (Eq. 9).
+    stress : ndarray (n_c, m, 3, n_eta)
+        Path stress of each mode: xi-xi, eta-eta, xi-eta, MPa.
+    compliance : ndarray (n_c, 2, n_a, k, k)
+        Compliance of the crack faces in an unbounded body over a'^2, for opening and sliding, 1/MPa.
+    nu : float
+        Effective Poisson's ratio.
+    """
+
+    curvature: np.ndarray
+    lengths: np.ndarray
+    eta: np.ndarray
+    powers: np.ndarray
+    K0: np.ndarray
+    Psi: np.ndarray
+    stress: np.ndarray
+    compliance: np.ndarray
+    nu: float
+
+    def select(self, keep: np.ndarray) -> MetaModel:
+        """The meta-model with only some of the modes (indices or booleans), those along xi first."""
+        keep = np.flatnonzero(keep) if keep.dtype == bool else keep
+        keep = keep[np.argsort(self.powers[keep, 0], kind="stable")]
+        return MetaModel(
+            self.curvature,
+            self.lengths,
+            self.eta,
+            self.powers[keep],
+            self.K0[:, keep][:, :, keep],
+            self.Psi[:, :, keep][..., keep],
+            self.stress[:, keep],
+            self.compliance,
+            self.nu,
+        )
+
+    @cached_property
+    def _stress_spline(self) -> CubicSpline:
+        return CubicSpline(self.curvature, self.stress)
+
+    @cached_property
+    def _K0_spline(self) -> CubicSpline:
+        return CubicSpline(self.curvature, self.K0)
+
+    @cached_property
+    def _compliance_spline(self) -> CubicSpline:
+        return CubicSpline(self.curvature, self.compliance)
+
+    @cached_property
+    def _fine_Psi(self) -> tuple[np.ndarray, np.ndarray]:
+        n = len(self.curvature)
+        fine = np.interp(np.arange((n - 1) * REFINEMENT + 1) / REFINEMENT, np.arange(n), self.curvature)
+        Psi = CubicSpline(self.curvature, self.Psi)(fine)
+        # symmetric and antisymmetric modes do not couple; one block at a time is cheaper
+        for block in (self.symmetric, ~self.symmetric):
+            which = np.ix_(np.flatnonzero(block), np.flatnonzero(block))
+            values, vectors = np.linalg.eigh(Psi[:, :, which[0], which[1]])
+            Psi[:, :, which[0], which[1]] = (
+                vectors * np.maximum(values, 0)[..., None, :]
+            ) @ vectors.swapaxes(-1, -2)
+        return fine, Psi
+
+    @property
+    def symmetric(self) -> np.ndarray:
+        """Which modes are their own mirror image about the crack line."""
+        direction, p = self.powers[:, 0], self.powers[:, 1]
+        return (p % 2 == 1) == (direction == 0)
+
+    def path_stress(self, curvature: np.ndarray, modes: np.ndarray) -> np.ndarray:
+        """Stress xi-xi, eta-eta, xi-eta at ``eta`` (n, 3, n_eta) for amplitudes (n, m), MPa (Eq. 11)."""
+        return np.einsum("nm,nmce->nce", modes, self._stress_spline(curvature))
+
+    def stiffness(self, curvature: np.ndarray) -> np.ndarray:
+        """Stiffness without a crack (n, m, m), N/mm."""
+        return self._K0_spline(curvature)
+
+    def stiffness_loss(self, curvature: np.ndarray) -> np.ndarray:
+        """Psi (n, n_a, m, m), positive semi-definite, N/mm."""
+        fine, Psi = self._fine_Psi
+        i = np.clip(np.searchsorted(fine, curvature) - 1, 0, len(fine) - 2)
+        t = ((curvature - fine[i]) / (fine[i + 1] - fine[i]))[:, None, None, None]
+        return (1 - t) * Psi[i] + t * Psi[i + 1]
+
+    @cached_property
+    def _projection(self) -> np.ndarray:
+        """From values at ``eta`` to Legendre coefficients over each crack length, (n_a, k, n_eta)."""
+        k = self.compliance.shape[-1]
+        x, w = legendre.leggauss(k + len(self.eta))
+        P = legendre.legvander(x, k - 1)
+        norm = (2 * np.arange(k) + 1) / 2
+        nodal = BarycentricInterpolator(self.eta)
+        result = []
+        for a in self.lengths:
+            values = np.array([_cardinal(nodal, j, a * (x + 1) / 2) for j in range(len(self.eta))])
+            result.append(norm[:, None] * ((P * w[:, None]).T @ values.T))
+        return np.array(result)
+
+    def unbounded_release(self, curvature: np.ndarray, stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What the path stress releases in an unbounded body.
+
+        Parameters
+        ----------
+        curvature : ndarray (n,)
+            c', 1/mm.
+        stress : ndarray (n, 3, n_eta)
+            Path stress, MPa.
+
+        Returns
+        -------
+        G_inc : ndarray (n, n_a)
+            Incremental energy release rate, N/mm.
+        opening : ndarray (n, n_a)
+            Mean crack opening over the length; where it is negative the crack is closed.
+        """
+        C = self._compliance_spline(curvature)
+        normal, shear = stress[:, 0], stress[:, 2]
+        p = np.einsum("ake,ne->nak", self._projection, normal)
+        q = np.einsum("ake,ne->nak", self._projection, shear)
+        opened = np.einsum("nakl,nal->nak", C[:, 0], p)
+        slid = np.einsum("nakl,nal->nak", C[:, 1], q)
+        energy = np.einsum("nak,nak->na", opened, p) + np.einsum("nak,nak->na", slid, q)
+        return 0.5 * energy * self.lengths, opened[..., 0]
+
+
+def _cardinal(interpolator: BarycentricInterpolator, j: int, at: np.ndarray) -> np.ndarray:
+    unit = np.zeros(len(interpolator.xi))
+    unit[j] = 1.0
+    interpolator.set_yi(unit)
+    return interpolator(at)
+
+
+@lru_cache(maxsize=4)
+def _cells(path: Path, _modified: float) -> xr.Dataset:
+    return read_cells(path)
+
+
+@lru_cache(maxsize=8)
+def _meta_model(path: Path, modified: float, nu: float) -> MetaModel:
+    return interpolate_poisson(_cells(path, modified), nu, path)
+
+
+def load_meta_model(nu: float, database: Path | str | None = None) -> MetaModel:
+    """Meta-model for an effective Poisson's ratio, from the shipped or another database.
+
+    Parameters
+    ----------
+    nu : float
+        nu in plane stress, nu/(1 - nu) in plane strain.
+    database : path, optional
+        A file that slmm-precompute made.
+
+    Raises
+    ------
+    DatabaseError
+        When the file cannot be used or does not hold this Poisson's ratio.
+    """
+    path = Path(database) if database is not None else shipped_database()
+    if not path.is_file():
+        read_cells(path)  # says what is wrong
+    return _meta_model(path.resolve(), path.stat().st_mtime, round(nu, 12))
+
+
+def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "database") -> MetaModel:
+    """Interpolate a database to one effective Poisson's ratio."""
+    stored = cells["poisson"].values
+    K, T = cells["K"].values, cells["stress"].values
+    nearest = int(np.argmin(np.abs(stored - nu)))
+    if abs(stored[nearest] - nu) < 1e-9:
+        K0, Psi, stress = K[:, nearest, 0], K[:, nearest, :1] - K[:, nearest, 1:], T[:, nearest]
+    elif not (len(stored) > 3 and stored[0] <= nu <= stored[-1]):
+        held = f"{stored[0]:g} to {stored[-1]:g}" if len(stored) > 3 else ", ".join(f"{v:g}" for v in stored)
+        raise DatabaseError(
+            f"{path}: holds the effective Poisson's ratios {held}, not {nu:.6g}; "
+            f"make a table for it: slmm-precompute --poisson {nu:.6g} -o FILE.nc"
+        )
+    else:
+        K0, Psi, stress = _between(stored, K, T, nu)
+    powers = np.stack([cells[name].values for name in ("mode_direction", "mode_p", "mode_q")], axis=1)
+    return MetaModel(
+        cells["curvature"].values,
+        cells["crack_length"].values[1:],
+        cells["eta"].values,
+        powers,
+        K0,
+        Psi,
+        stress,
+        cells["compliance"].values,
+        nu,
+    )
+
+
+def _between(stored, K, T, nu):
+    """Interpolate flexibility, path stress and released energy of given modal forces over atanh(nu)."""
+    n_c, m = K.shape[0], K.shape[-1]
+    at = np.arctanh(stored)
+    K0 = np.zeros((n_c, m, m))
+    Psi = np.zeros((n_c, K.shape[2] - 1, m, m))
+    stress = np.zeros((n_c, *T.shape[2:]))
+    for i in range(n_c):
+        values, vectors = np.linalg.eigh(K[i, nearest_middle(stored), 0])
+        Q = vectors[:, values > RIGID * values[-1]]  # rigid motions and repeated modes are those of every nu
+        flexibility = np.linalg.inv(np.einsum("mr,pmk,ks->prs", Q, K[i, :, 0], Q))
+        loss = np.einsum("mr,pamk,ks->pars", Q, K[i, :, :1] - K[i, :, 1:], Q, optimize=True)
+        released = flexibility[:, None] @ loss @ flexibility[:, None]
+        carried = np.einsum("pmce,mr,prs->psce", T[i], Q, flexibility, optimize=True)
+        F, R, S = (BarycentricInterpolator(at, y)(math.atanh(nu)) for y in (flexibility, released, carried))
+        stiff = np.linalg.inv(0.5 * (F + F.T))
+        K0[i] = Q @ stiff @ Q.T
+        Psi[i] = Q @ (stiff @ (0.5 * (R + R.swapaxes(-1, -2))) @ stiff) @ Q.T
+        stress[i] = np.einsum("mr,rs,sce->mce", Q, stiff, S)
+    return K0, Psi, stress
+
+
+def nearest_middle(stored: np.ndarray) -> int:
+    """Index of the stored Poisson's ratio nearest to 0.3, far from both degenerate ends."""
+    return int(np.argmin(np.abs(stored - 0.3)))

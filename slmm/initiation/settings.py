@@ -1,0 +1,83 @@
+"""Settings of the meta-model method: those of the package and those of the paper."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from slmm.initiation.placement import Constraints
+
+#: D_imp of Paper A, section 2.2.3: direction (0: xi, 1: eta), powers p, q
+IMPORTANT_MODES = ((0, 1, 0), (0, 0, 1), (0, 1, 1), (1, 0, 1), (1, 1, 0))
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How cells are chosen, fitted and relaxed.
+
+    Parameters
+    ----------
+    name : str
+        For the result's provenance.
+    modes : {"important", "published", "all"}
+        D_imp (5), D_all (16) or all that the database holds and that differ on the cell's boundary.
+    fine, wide : Constraints
+        Rules for the cell that is tried first, and for the larger one that serves where the crack would be longer
+        than the first or where the first does not exist.
+    cell_voxels : int
+        Least height of a cell in voxels, phi_min.
+    relaxed : {"unbounded", "force"}
+        The upper bound that auto control mixes in.
+    linear_lengths : int
+        0 interpolates G_inc/a smoothly; n interpolates the energy linearly between n lengths.
+    height : float
+        Fixes the cell's height, mm; 0 lets it grow.
+    """
+
+    name: str
+    modes: str
+    fine: Constraints
+    wide: Constraints
+    cell_voxels: int
+    relaxed: str
+    linear_lengths: int = 0
+    height: float = 0.0
+
+    def describe(self) -> dict:
+        """Plain values for provenance."""
+        values = asdict(self)
+        values["fine"], values["wide"] = self.fine._asdict(), self.wide._asdict()
+        return {key: v for key, v in values.items()}
+
+
+def _smooth(deviation: float) -> Constraints:
+    # An infinite absolute tolerance leaves the paper's variance aside: the largest deviation decides instead.
+    return Constraints(
+        samples=21,
+        quartic=True,
+        absolute=np.inf,
+        relative=0.0,
+        deviation=deviation,
+        boundary_samples=84,
+        inside=2,
+    )
+
+
+_PAPER = Constraints(
+    samples=11,
+    quartic=False,
+    absolute=0.01,
+    relative=0.1,
+    deviation=np.inf,
+    boundary_samples=28,
+    inside=2,
+)
+
+#: The package's own: cells so small that a parabola with the curvature at the mouth follows the outline.
+DEFAULT = Settings("default", "all", _smooth(0.005), _smooth(0.03), cell_voxels=10, relaxed="unbounded")
+
+#: Paper A's: the largest valid cell, five modes, force control as the upper bound, ten lengths.
+PUBLISHED = Settings(
+    "published", "important", _PAPER, _PAPER, cell_voxels=10, relaxed="force", linear_lengths=10
+)
