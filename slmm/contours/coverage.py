@@ -1,4 +1,4 @@
-"""How much of every voxel the holes cover: exact areas, by the signed-area accumulation of font rasterisers."""
+"""How much of every voxel the holes cover: exact areas, accumulated with a sign as font rasterisers do."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _accumulate(ring: Polygon, area: NDArray[np.float64]) -> None:
 
 @njit(cache=True)
 def _accumulate_in_row(row: NDArray[np.float64], columns: int, xa: float, xb: float, cover: float) -> None:
-    """Add a piece of an edge that spans ``xa`` to ``xb`` within one row of voxels; ``cover`` is its height."""
+    """Add a piece of an edge, from ``xa`` to ``xb`` within one row of voxels and ``cover`` high."""
     left, right = min(xa, xb), max(xa, xb)
     if right > left:
         # what is left of the plate covers all of the row, what is right of it nothing

@@ -1,7 +1,7 @@
 """The voxel model: a rectangular plate of bilinear elements whose stiffness varies from voxel to voxel.
 
 Paper A, section 2.2.2. Conjugate gradients in double precision, preconditioned by the multigrid cycle of
-voxel_multigrid in single precision; no matrix is ever assembled. One million voxels need about 110 bytes each.
+voxel_multigrid in single precision; no matrix is ever assembled. A million voxels need about 110 bytes each.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from slmm.fem import voxel_kernels
 from slmm.fem.voxel_element import coefficients, plane_stress
-from slmm.fem.voxel_multigrid import Multigrid, padded_zeros
+from slmm.fem.voxel_multigrid import PADDING, Multigrid, padded_zeros
 
 
 class Load(Protocol):
@@ -99,8 +99,8 @@ def solve_voxels(
         to a stress load only.
     load : object with ``strain``, ``displacement`` and ``stress``
         Exactly one of them is not None. strain: u_x = e_xx x + g_xy y / 2, u_y = g_xy x / 2 + e_yy y on all
-        four edges. displacement: u_y of the top edge in mm, u_y = 0 at the bottom, sides and u_x free. stress:
-        normal traction in MPa on top and bottom, weighted with the stiffness of the edge's voxels.
+        four edges. displacement: u_y of the top edge in mm, u_y = 0 at the bottom, sides and u_x free.
+        stress: normal traction in MPa on top and bottom, weighted with the stiffness of the edge's voxels.
     tol : float
         Relative residual to reach; see ``VoxelSolution.residual``.
     max_iterations : int
@@ -128,68 +128,80 @@ def solve_voxels(
     _check(stiffness, width, height, nu, E, tol, max_iterations, degree)
     ny, nx = stiffness.shape
     problem = _pose(load, nx, ny, height, nu, E)
-    hx, hy = width / nx, height / ny
-    c = coefficients(hx, hy, nu)
-
     density = padded_zeros(nx, ny, leading=())
     density[1:-4, 1:-4] = stiffness
+    u, iterations, residual = _conjugate_gradients(
+        problem, density, width, height, nu, tol, max_iterations, degree
+    )
+    if not residual <= tol:
+        raise NotConvergedError(
+            f"{nx} x {ny} voxels: residual {residual:.1e} after {iterations} iterations, {tol:.1e} wanted; "
+            f"allow more or make the void stiffer (now {stiffness.min():.1e}); is the plate in one piece?"
+        )
+    solution = np.multiply(np.moveaxis(u[:, 1:-3, 1:-3], 0, 2), problem.scale, order="C")
+    _remove_rigid(solution, problem.rigid, width, height)
+    return VoxelSolution(solution, iterations, residual, True)
+
+
+def _conjugate_gradients(
+    problem: _Problem,
+    density: NDArray[np.float32],
+    width: float,
+    height: float,
+    nu: float,
+    tol: float,
+    max_iterations: int,
+    degree: int,
+) -> tuple[NDArray[np.float64], int, float]:
+    """Displacements (padded, unscaled), number of iterations and relative residual."""
+    ny, nx = (side - PADDING for side in density.shape)
+    hx, hy = width / nx, height / ny
     multigrid = Multigrid(
         density, nx, ny, width, height, nu, problem.free_rows, problem.free_sides, problem.rigid, degree
     )
+    c, k = coefficients(hx, hy, nu), _energy_coefficients(hx, hy, nu)
     free, columns = multigrid.free, multigrid.columns
-    u, r, r_single = padded_zeros(nx, ny, np.float64), padded_zeros(nx, ny, np.float64), padded_zeros(nx, ny)
-    p = padded_zeros(nx, ny)
-    sums = np.zeros(ny + 5)
+    u, r = (padded_zeros(nx, ny, np.float64) for _ in range(2))
+    r_single, p = (padded_zeros(nx, ny) for _ in range(2))
+    sums = np.zeros(len(density))
 
-    def residual() -> float:
-        r[:] = 0
+    def balance() -> float:
+        """Recompute the residual from u."""
+        r.fill(0)
         if problem.traction:
             _apply_traction(r, density, hx)
         voxel_kernels.subtract_force(density, u, r, r_single, c, free, columns, sums)
-        return math.sqrt(sums.sum())
+        return math.sqrt(sums[1 : ny + 2].sum())
 
     _set_affine(u, width, height, problem.start)
-    reference = _edge_forces(problem.start, width, height, nx, ny, nu)
-    size = residual()
-    limit = tol * reference
-
-    k = _energy_coefficients(hx, hy, nu)
-    iterations = 0
-    previous = np.inf
-    while size > limit and iterations < max_iterations:
+    # a load of zero has nothing to be relative to, and no residual either
+    reference = _edge_forces(problem.start, width, height, nx, ny, nu) or 1.0
+    residual = balance() / reference
+    iterations, previous = 0, np.inf
+    while residual > tol and iterations < max_iterations:
         z, product = multigrid.precondition(r_single)
         voxel_kernels.combine(z, p, np.float32(product / previous))
         voxel_kernels.energy(density, p, k, sums)
-        energy = sums[1 : ny + 1].sum()
-        voxel_kernels.advance(density, p, u, r, r_single, c, product / energy, free, columns, sums)
-        size = math.sqrt(sums[1 : ny + 2].sum())
-        previous = product
-        iterations += 1
-        if size <= limit:
-            size = residual()
-            previous = np.inf
-        if not math.isfinite(size):
-            break
-    if not size <= limit:
-        raise NotConvergedError(
-            f"{nx} x {ny} voxels: residual {size / reference:.1e} after {iterations} iterations, "
-            f"{tol:.1e} wanted; raise max_iterations or the stiffness of the void (now {stiffness.min():.1e})"
-        )
-    relative = size / reference if reference > 0 else 0.0
-    del r, r_single, p, multigrid
-    solution = np.moveaxis(u[:, 1:-3, 1:-3], 0, 2) * problem.scale
-    _remove_rigid(solution, problem.rigid, width, height)
-    return VoxelSolution(solution, iterations, relative, True)
+        step = product / sums[1 : ny + 1].sum()
+        voxel_kernels.advance(density, p, u, r, r_single, c, step, free, columns, sums)
+        residual = math.sqrt(sums[1 : ny + 2].sum()) / reference
+        iterations, previous = iterations + 1, product
+        if residual <= tol:
+            # what the recursion claims has to be true of u itself; if not, start over from here
+            residual, previous = balance() / reference, np.inf
+    return u, iterations, residual
 
 
 def _check(
     stiffness: NDArray, width: float, height: float, nu: float, E: float, tol: float, limit: int, degree: int
 ) -> None:
     if stiffness.ndim != 2 or min(stiffness.shape) < 2:
-        raise ValueError(f"stiffness has shape {stiffness.shape}: (ny, nx) with at least 2 x 2 voxels is needed")
+        raise ValueError(
+            f"stiffness has shape {stiffness.shape}: (ny, nx) with at least 2 x 2 voxels is needed"
+        )
     low, high = float(stiffness.min()), float(stiffness.max())
-    if not (low > 0 and high <= 1):  # NaN fails here too
-        raise ValueError(f"stiffness between {low} and {high}: must lie above 0 and not exceed 1")
+    if not (low >= 1e-12 and high <= 1 + 1e-9):  # NaN fails here too
+        raise ValueError(f"stiffness between {low} and {high}: must lie above 0 (1e-12) and not exceed 1")
     for name, value in (("width", width), ("height", height), ("E", E), ("tol", tol)):
         if not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: must be a positive number")
@@ -202,7 +214,9 @@ def _check(
 def _pose(load: Load, nx: int, ny: int, height: float, nu: float, E: float) -> _Problem:
     given = [name for name in ("strain", "displacement", "stress") if getattr(load, name) is not None]
     if len(given) != 1:
-        raise ValueError(f"load has {given or 'nothing'}: exactly one of strain, displacement, stress is needed")
+        raise ValueError(
+            f"load has {given or 'nothing'}: exactly one of strain, displacement, stress is needed"
+        )
     value = getattr(load, given[0])
     if not np.isfinite(value).all():
         raise ValueError(f"load.{given[0]} = {value!r}: must be finite")
@@ -266,7 +280,7 @@ def _edge_loads(density: NDArray[np.float64], hx: float) -> NDArray[np.float64]:
 
 
 def _energy_coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float32]:
-    """Coefficients of the strain energy in sums and differences of a voxel's corners (voxel_kernels.energy)."""
+    """Coefficients of the strain energy in a voxel's sums and differences (voxel_kernels.energy)."""
     C11, C12, C33 = plane_stress(nu)
     flat, steep = hy / hx / 4, hx / hy / 4
     return np.array(

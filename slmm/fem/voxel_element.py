@@ -16,8 +16,8 @@ def coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float64]:
 
     A rectangle's stiffness between two corners depends only on how they lie to each other: the same corner,
     neighbours along x, neighbours along y, or opposite. In this order: four for x-x, four for y-y. The x-y
-    coupling is +-P for the same and opposite corners and +-M for neighbours. A one ends the list, which carries
-    the precision of these numbers into the kernels.
+    coupling is +-P for the same and opposite corners and +-M for neighbours. The one that ends the list
+    carries the precision of these numbers into the kernels.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def _by_position(along_x: float, along_y: float) -> tuple[float, float, float, f
 
 
 def element_matrix(hx: float, hy: float, nu: float) -> NDArray[np.float64]:
-    """8 x 8 stiffness for E = 1 and unit thickness; corners (0,0), (1,0), (0,1), (1,1), each with u_x, u_y."""
+    """8 x 8 stiffness for E = 1 and unit thickness; u_x, u_y of corners (0,0), (1,0), (0,1), (1,1)."""
     c = coefficients(hx, hy, nu)
     P, M = c[8], c[9]
     K = np.empty((8, 8))

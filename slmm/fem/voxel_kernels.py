@@ -1,19 +1,21 @@
 """Matrix-free kernels on the voxels themselves: the stiffness is one density per voxel.
 
-Layout. A field is an array (2, rows, columns), u_x and u_y apart so that loops run over contiguous numbers. It
-carries a ring of zeros: node (i, j) is at [i + 1, j + 1], and voxel (i, j), between nodes (i, j) and
+Layout. A field is an array (2, rows, columns), u_x and u_y apart so that loops run over contiguous numbers.
+It carries a ring of zeros: node (i, j) is at [i + 1, j + 1], and voxel (i, j), between nodes (i, j) and
 (i + 1, j + 1), is at density[i + 1, j + 1]. The ring's densities are zero, so no edge is a special case.
 
 Ones and zeros say which unknowns there are: ``free[0, i]`` and ``free[1, i]`` for u_x and u_y in row i of the
 array, ``columns[j]`` for both in column j. That describes all three loads.
 
-All loops run from the literal 1 over full rows: only then can LLVM exclude negative indices, which numba wraps
-around, and vectorise.
+All loops run from the literal 1 over full rows: only then can LLVM exclude negative indices, which numba
+wraps around, and vectorise.
 
 Sums are kept per row and added afterwards, so they do not depend on the number of threads.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import llvmlite.binding
 from numba import njit, prange
@@ -24,7 +26,12 @@ llvmlite.binding.set_option("slmm", "--runtime-memory-check-threshold=128")
 
 REASSOCIATE = {"reassoc", "contract", "nsz", "arcp"}  # but keep NaN and infinity: they must not pass unseen
 # "numpy": a division must not be able to raise, or the loop around it stays scalar
-OPTIONS = {"cache": True, "fastmath": REASSOCIATE, "boundscheck": False, "error_model": "numpy"}
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "fastmath": REASSOCIATE,
+    "boundscheck": False,
+    "error_model": "numpy",
+}
 row_kernel = njit(**OPTIONS)
 grid_kernel = njit(parallel=True, **OPTIONS)
 inlined = njit(inline="always", **OPTIONS)  # LLVM alone finds these bodies too long, and a call stops it too
@@ -49,12 +56,12 @@ def node_force(j, low, high, xs, xc, xn, ys, yc, yn, c):
         + c[7] * (ll * ys[j - 1] + lr * ys[j + 1] + ul * yn[j - 1] + ur * yn[j + 1])
     )
     twist = ll - lr - ul + ur
-    force_x += c[8] * (
-        twist * yc[j] - ll * ys[j - 1] + lr * ys[j + 1] + ul * yn[j - 1] - ur * yn[j + 1]
-    ) + c[9] * ((ll - ul) * yc[j - 1] + (ur - lr) * yc[j + 1] + (lr - ll) * ys[j] + (ul - ur) * yn[j])
-    force_y += c[8] * (
-        twist * xc[j] - ll * xs[j - 1] + lr * xs[j + 1] + ul * xn[j - 1] - ur * xn[j + 1]
-    ) - c[9] * ((ll - ul) * xc[j - 1] + (ur - lr) * xc[j + 1] + (lr - ll) * xs[j] + (ul - ur) * xn[j])
+    force_x += c[8] * (twist * yc[j] - ll * ys[j - 1] + lr * ys[j + 1] + ul * yn[j - 1] - ur * yn[j + 1]) + c[
+        9
+    ] * ((ll - ul) * yc[j - 1] + (ur - lr) * yc[j + 1] + (lr - ll) * ys[j] + (ul - ur) * yn[j])
+    force_y += c[8] * (twist * xc[j] - ll * xs[j - 1] + lr * xs[j + 1] + ul * xn[j - 1] - ur * xn[j + 1]) - c[
+        9
+    ] * ((ll - ul) * xc[j - 1] + (ur - lr) * xc[j + 1] + (lr - ll) * xs[j] + (ul - ur) * xn[j])
     return force_x, force_y
 
 
@@ -75,7 +82,7 @@ def _smooth_row(low, high, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, c, now, old, 
 
 @grid_kernel
 def smooth(density, u, b, other, c, now, old, step, free, columns, products):
-    """other = now * u - old * other + step * D^-1 (b - A u), one Chebyshev step; products: b . other by row."""
+    """other = now * u - old * other + step * D^-1 (b - A u), a Chebyshev step; products: b . other by row."""
     for i in prange(1, u.shape[1] - 3):
         products[i] = _smooth_row(
             density[i - 1], density[i], u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1],
@@ -190,7 +197,7 @@ def _advance_row(low, high, xs, xc, xn, ys, yc, yn, ux, uy, rx, ry, zx, zy, c, a
 
 @grid_kernel
 def advance(density, p, u, r, r_single, c, alpha, free, columns, squares):
-    """u += alpha p and r -= alpha A p in double precision, for a direction p in single; squares: r . r by row.
+    """u += alpha p, r -= alpha A p in double precision, for a direction p in single; squares: r . r by row.
 
     Forming A p here and nowhere else keeps r the residual of u, however p and alpha were rounded.
     """

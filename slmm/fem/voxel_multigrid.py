@@ -1,8 +1,8 @@
-"""Geometric multigrid for the voxel model: a V-cycle in single precision that preconditions the CG of voxel.py.
+"""Geometric multigrid for the voxel model: a cycle in single precision that preconditions the CG of voxel.py.
 
 Galerkin coarse grids, bilinear interpolation, and Chebyshev polynomials of the fourth kind over Jacobi as
-smoother (J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30, 2023).
-They need a bound of the largest eigenvalue only, so nothing has to be estimated.
+smoother (J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30,
+2023). They need a bound of the largest eigenvalue only, so nothing has to be estimated.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from slmm.fem.voxel_element import coefficients, largest_eigenvalue
 
 Field = NDArray[np.float32]
 
-PADDING = 5  # rows and columns of an array beyond the number of intervals: n + 1 nodes, one zero before, three after
+PADDING = 5  # n intervals have n + 1 nodes, and an array one zero before and three after them
 DIRECT = 300  # nodes below which a grid is solved directly
 
 
@@ -44,7 +44,7 @@ class Grid:
 
 
 class Multigrid:
-    """V-cycle for one voxel model.
+    """Multigrid cycle for one voxel model.
 
     Parameters
     ----------
@@ -79,6 +79,7 @@ class Multigrid:
         rigid: tuple[str, ...] = (),
         degree: int = 3,
     ) -> None:
+        """Build all coarse grids and factorise the coarsest."""
         hx, hy = width / nx, height / ny
         self.density = density
         self.coefficients = coefficients(hx, hy, nu).astype(np.float32)
@@ -139,7 +140,7 @@ class Multigrid:
             unknown[:, :, [0, -1]] = False
         self._unknown = np.flatnonzero(unknown)
         A = A[self._unknown][:, self._unknown]
-        # float32 has spoiled the last digits of the stencils: keep islands in the void from turning indefinite
+        # float32 spoils the last digits of the stencils: keep islands in the void from turning indefinite
         A = A + sp.diags_array(1e-6 * A.diagonal())
         motions = _rigid_motions(x, y, rigid)[:, self._unknown]
         self._multipliers = len(motions)
@@ -157,7 +158,7 @@ class Multigrid:
         u[:, 1:-3, 1:-3] = solution.reshape(inner.shape)
 
     def precondition(self, b: Field) -> tuple[Field, float]:
-        """One V-cycle from zero: z, about A^-1 b, and b . z. The array z belongs to this object."""
+        """One cycle from zero: z, about A^-1 b, and b . z. The array z belongs to this object."""
         if not self.grids:
             self._solve_coarsest(b, self.u)
             return self.u, float(np.sum(b * self.u, dtype=float))
@@ -168,7 +169,9 @@ class Multigrid:
         for number, (momentum, step) in enumerate(steps[1:]):
             # the start was zero, whatever ``other`` holds in the first of these steps
             old = momentum if number else np.float32(0)
-            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, old, step, free, columns, self.products)
+            voxel_kernels.smooth(
+                density, u, b, other, c, 1 + momentum, old, step, free, columns, self.products
+            )
             u, other = other, u
         first = self.grids[0]
         voxel_stencil.restrict_from_voxels(
@@ -176,38 +179,56 @@ class Multigrid:
         )
         voxel_stencil.prolong(self._cycle(0), u, first.weights_x, first.weights_y)
         for momentum, step in steps:
-            voxel_kernels.smooth(density, u, b, other, c, 1 + momentum, momentum, step, free, columns, self.products)
+            voxel_kernels.smooth(
+                density, u, b, other, c, 1 + momentum, momentum, step, free, columns, self.products
+            )
             u, other = other, u
         return u, float(self.products.sum())
 
     def _cycle(self, level: int) -> Field:
-        """The coarse correction: V-cycle from grid ``level`` on for its right-hand side."""
+        """The coarse correction: one cycle on the first coarse grid, two on all others (they cost little).
+
+        Gaps between holes vanish on coarse grids, and the second cycle makes up for that: up to 40 % fewer
+        iterations with many holes, a tenth more time with one.
+        """
         grid = self.grids[level]
         if level == len(self.grids) - 1:
             self._solve_coarsest(grid.b, grid.u)
             return grid.u
+        stencil, b, free, columns, coarser = (
+            grid.stencil,
+            grid.b,
+            grid.free,
+            grid.columns,
+            self.grids[level + 1],
+        )
+        wx, wy = coarser.weights_x, coarser.weights_y
         u, other = grid.u, grid.other
         steps = chebyshev_steps(self.degree, grid.bound)
-        voxel_stencil.smooth_from_zero(grid.stencil, grid.b, u, steps[0][1], grid.free, grid.columns)
-        for number, (momentum, step) in enumerate(steps[1:]):
-            old = momentum if number else np.float32(0)
-            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, old, step, grid.free, grid.columns)
-            u, other = other, u
-        coarser = self.grids[level + 1]
-        voxel_stencil.restrict_from_stencil(
-            grid.stencil, u, grid.b, grid.free, grid.columns, coarser.weights_x, coarser.weights_y, coarser.b
-        )
-        voxel_stencil.prolong(self._cycle(level + 1), u, coarser.weights_x, coarser.weights_y)
-        for momentum, step in steps:
-            voxel_stencil.smooth(grid.stencil, u, grid.b, other, 1 + momentum, momentum, step, grid.free, grid.columns)
-            u, other = other, u
+        for cycle in range(min(level, 1) + 1):
+            first = 0
+            if cycle == 0:
+                voxel_stencil.smooth_from_zero(stencil, b, u, steps[0][1], free, columns)
+                first = 1
+            for number, (momentum, step) in enumerate(steps[first:]):
+                old = momentum if number else np.float32(0)
+                voxel_stencil.smooth(stencil, u, b, other, 1 + momentum, old, step, free, columns)
+                u, other = other, u
+            voxel_stencil.restrict_from_stencil(stencil, u, b, free, columns, wx, wy, coarser.b)
+            voxel_stencil.prolong(self._cycle(level + 1), u, wx, wy)
+            for momentum, step in steps:
+                voxel_stencil.smooth(stencil, u, b, other, 1 + momentum, momentum, step, free, columns)
+                u, other = other, u
         return u
 
 
 def chebyshev_steps(degree: int, bound: float) -> list[tuple[np.float32, np.float32]]:
     """Momentum and step of each degree: u_k = u + momentum (u - u_old) + step D^-1 (b - A u)."""
     return [
-        (np.float32((2 * k - 3) / (2 * k + 1) if k > 1 else 0.0), np.float32((8 * k - 4) / (2 * k + 1) / bound))
+        (
+            np.float32((2 * k - 3) / (2 * k + 1) if k > 1 else 0.0),
+            np.float32((8 * k - 4) / (2 * k + 1) / bound),
+        )
         for k in range(1, degree + 1)
     ]
 
@@ -248,7 +269,7 @@ def _largest_eigenvalue(stencil: Field, free: Field, columns: Field, scale: Fiel
 
 
 def _matrix(stencil: NDArray[np.float64]) -> sp.csr_array:
-    """The (small) sparse matrix of a stencil (rows, 19, columns), unknowns in the order (component, row, column)."""
+    """The sparse matrix of a small stencil (rows, 19, columns); unknowns by component, row, column."""
     rows, _, columns = stencil.shape
     node = np.arange(rows * columns).reshape(rows, columns)
     i, j, value = [], [], []

@@ -1,8 +1,8 @@
 """Kernels of the coarser grids: symmetric 9-point stencils of 2 x 2 blocks, Galerkin products, transfer.
 
 A stencil array is (rows, 19, columns): per node the block of the node itself (xx, xy, yy) and the blocks
-(xx, xy, yx, yy) that couple it to its neighbours east, north, north-east and north-west. The other half of the
-matrix is the transpose of these. Fields, ``free`` and ``columns`` are laid out as in voxel_kernels.
+(xx, xy, yx, yy) that couple it to its neighbours east, north, north-east and north-west. The other half of
+the matrix is the transpose of these. Fields, ``free`` and ``columns`` are laid out as in voxel_kernels.
 
 Coarsening drops every second node but keeps both ends, so Dirichlet edges coincide on all grids. The odd node
 2k + 1 lies between the coarse nodes k and k + 1 with the weights w[0, k] and w[1, k]; when the number of
@@ -55,7 +55,8 @@ def smooth(stencil, u, b, other, now, old, step, free, columns):
         _smooth_row(
             stencil[i], stencil[i - 1],
             u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1],
-            b[0, i], b[1, i], other[0, i], other[1, i], now, old, step * free[0, i], step * free[1, i], columns,
+            b[0, i], b[1, i], other[0, i], other[1, i], now, old,
+            step * free[0, i], step * free[1, i], columns,
         )  # fmt: skip
 
 
@@ -161,7 +162,9 @@ def prolong(coarse, u, wx, wy):
         k = (i + 1) // 2
         lower, upper = (wy[0, k], wy[1, k]) if i % 2 == 0 else (np.float32(1), np.float32(0))
         for component in range(2):
-            _prolong_row(coarse[component, k], coarse[component, k + 1], lower, upper, wx, u[component, i], last)
+            _prolong_row(
+                coarse[component, k], coarse[component, k + 1], lower, upper, wx, u[component, i], last
+            )
 
 
 @row_kernel
@@ -226,9 +229,7 @@ def _coarsen_rows(below, at, above, a, c, t, out):
         for k in range(1, last):
             out[7 + q, k] = t * at[7 + q, k] + c * t * above[same, k] + c * above[7 + q, k]
             out[11 + q, k] = t * at[11 + q, k] + c * t * above[3 + q, k] + c * above[11 + q, k]
-            out[15 + q, k] = (
-                t * at[15 + q, k] + c * t * above[3 + transposed, k - 1] + c * above[15 + q, k]
-            )
+            out[15 + q, k] = t * at[15 + q, k] + c * t * above[3 + transposed, k - 1] + c * above[15 + q, k]
 
 
 @grid_kernel

@@ -1,4 +1,4 @@
-"""The local model: one cheap voxel solve of the whole plate that delivers the displacements around its notches.
+"""The local model: one cheap voxel solve of the whole plate, for the displacements around its notches.
 
 Paper A, section 2.2.2. Each voxel is as stiff as the material's share of its area.
 """
