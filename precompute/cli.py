@@ -49,9 +49,9 @@ def precompute(
         if poisson is not None:
             title = f"Crack cells for the effective Poisson's ratio {poisson:g}"
             spec = SweepSpec.model_validate(spec.model_dump() | {"poisson": (poisson,), "title": title})
-        parts = output.with_name(f"{output.name}.{spec.fingerprint}.parts")
         if output.is_dir():
             raise ValueError(f"{output}: is a folder; name the file to write")
+        parts = output.with_name(f"{output.name}.{spec.fingerprint}.parts")
         parts.mkdir(parents=True, exist_ok=True)
     except (ValueError, OSError) as error:
         errors.print(f"[red]error:[/] {error}", highlight=False)

@@ -53,7 +53,9 @@ def read_cells(path: Path | str) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine="netcdf4") as opened:
             dataset = opened.load()
-    except (OSError, ValueError, RuntimeError, KeyError) as error:
+    except (
+        Exception
+    ) as error:  # HDF5 meets a damaged file with any of them, AttributeError and MemoryError too
         raise DatabaseError(f"{path}: truncated or not a netCDF file ({error})") from error
     schema = dataset.attrs.get("schema")
     if schema is None:
