@@ -48,7 +48,7 @@ class Curves:
 
 def select_modes(meta: MetaModel, modes: str) -> MetaModel:
     """Meta-model with the modes of the settings: "important" (D_imp), "published" (D_all) or "all"."""
-    direction, p, q = meta.powers.T
+    _, p, q = meta.powers.T
     if modes == "important":
         wanted = {tuple(mode) for mode in IMPORTANT_MODES}
         keep = np.array([tuple(row) in wanted for row in meta.powers.tolist()])

@@ -129,7 +129,8 @@ def coupled_criterion(
     a, G_inc, sigma_I = (np.asarray(v, dtype=float) for v in (a, G_inc, sigma_I))
     if not (a.ndim == 1 and a.shape == G_inc.shape == sigma_I.shape and len(a) >= 2):
         raise ValueError(
-            f"a, G_inc and sigma_I have shapes {a.shape}, {G_inc.shape}, {sigma_I.shape}: give three curves of one length"
+            f"a, G_inc and sigma_I have shapes {a.shape}, {G_inc.shape}, {sigma_I.shape}: "
+            "give three curves of one length"
         )
     for name, values in (("a", a), ("G_inc", G_inc), ("sigma_I", sigma_I)):
         if not np.isfinite(values).all():
