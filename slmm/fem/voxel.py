@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -130,9 +131,13 @@ def solve_voxels(
     problem = _pose(load, nx, ny, height, nu, E)
     density = padded_zeros(nx, ny, leading=())
     density[1:-4, 1:-4] = stiffness
-    u, iterations, residual = _conjugate_gradients(
-        problem, density, width, height, nu, tol, max_iterations, degree
-    )
+    threads = numba.get_num_threads()
+    try:
+        u, iterations, residual = _conjugate_gradients(
+            problem, density, width, height, nu, tol, max_iterations, degree
+        )
+    finally:
+        numba.set_num_threads(threads)
     if not residual <= tol:
         raise NotConvergedError(
             f"{nx} x {ny} voxels: residual {residual:.1e} after {iterations} iterations, {tol:.1e} wanted; "
@@ -164,6 +169,7 @@ def _conjugate_gradients(
     u, r = (padded_zeros(nx, ny, np.float64) for _ in range(2))
     r_single, p = (padded_zeros(nx, ny) for _ in range(2))
     sums = np.zeros(len(density))
+    multigrid.share_work(u)
 
     def balance() -> float:
         """Recompute the residual from u."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ Field = NDArray[np.float32]
 
 PADDING = 5  # n intervals have n + 1 nodes, and an array one zero before and three after them
 DIRECT = 300  # nodes below which a grid is solved directly
+NODES_PER_THREAD = (
+    25_000  # below, threads wait for each other longer than they work: 50 times on a busy machine
+)
 
 
 def padded_zeros(nx: int, ny: int, dtype: type = np.float32, leading: tuple[int, ...] = (2,)) -> NDArray:
@@ -86,6 +90,7 @@ class Multigrid:
         self.free, self.columns = _free(free_rows, free_sides, nx)
         self.bound = largest_eigenvalue(hx, hy, nu)
         self.degree = degree
+        self._threads = numba.get_num_threads()
         self.u = padded_zeros(nx, ny)
         self.other = padded_zeros(nx, ny)
         self.products = np.zeros(ny + PADDING)
@@ -108,6 +113,7 @@ class Multigrid:
         free_sides: bool,
     ) -> None:
         stencil = np.zeros((ny + PADDING, 19, nx + PADDING), np.float32)
+        self.share_work(stencil[:, 0][None])
         if self.grids:
             voxel_stencil.coarsen_stencil(self.grids[-1].stencil, weights_x, weights_y, stencil)
         else:
@@ -177,13 +183,19 @@ class Multigrid:
         voxel_stencil.restrict_from_voxels(
             density, u, b, c, free, columns, first.weights_x, first.weights_y, first.b
         )
-        voxel_stencil.prolong(self._cycle(0), u, first.weights_x, first.weights_y)
+        correction = self._cycle(0)
+        self.share_work(u)
+        voxel_stencil.prolong(correction, u, first.weights_x, first.weights_y)
         for momentum, step in steps:
             voxel_kernels.smooth(
                 density, u, b, other, c, 1 + momentum, momentum, step, free, columns, self.products
             )
             u, other = other, u
         return u, float(self.products.sum())
+
+    def share_work(self, field: Field) -> None:
+        """Set the number of threads to what a grid of this size is worth, at most what was set before."""
+        numba.set_num_threads(max(1, min(self._threads, field[0].size // NODES_PER_THREAD)))
 
     def _cycle(self, level: int) -> Field:
         """The coarse correction: one cycle on the first coarse grid, two on all others (they cost little).
@@ -195,6 +207,7 @@ class Multigrid:
         if level == len(self.grids) - 1:
             self._solve_coarsest(grid.b, grid.u)
             return grid.u
+        self.share_work(grid.u)
         stencil, b, free, columns, coarser = (
             grid.stencil,
             grid.b,
@@ -215,7 +228,9 @@ class Multigrid:
                 voxel_stencil.smooth(stencil, u, b, other, 1 + momentum, old, step, free, columns)
                 u, other = other, u
             voxel_stencil.restrict_from_stencil(stencil, u, b, free, columns, wx, wy, coarser.b)
-            voxel_stencil.prolong(self._cycle(level + 1), u, wx, wy)
+            correction = self._cycle(level + 1)
+            self.share_work(u)
+            voxel_stencil.prolong(correction, u, wx, wy)
             for momentum, step in steps:
                 voxel_stencil.smooth(stencil, u, b, other, 1 + momentum, momentum, step, free, columns)
                 u, other = other, u
