@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -230,9 +231,10 @@ def _print_result(result: xr.Dataset) -> None:
     n = result.sizes["position"]
     title = result.attrs.get("title") or "Failure indices"
     table = Table(
-        title=f"{title} ({result.attrs['method']}): {min(LISTED, len(ranked))} most critical of {n}"
+        title=f"{title} ({result.attrs['method']}): {min(LISTED, len(ranked))} most critical of {n} positions",
+        box=SIMPLE_HEAD,
     )
-    for heading in ("position", "x\nmm", "y\nmm", "failure\nindex", "load\nfactor", "crack length\nmm"):
+    for heading in ("no.", "x\nmm", "y\nmm", "failure\nindex", "load\nfactor", "crack length\nmm"):
         table.add_column(heading, justify="right")
     table.add_column("governed by")
     for i in ranked[:LISTED]:

@@ -201,7 +201,7 @@ def draw_criterion(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
         shown.append(curve)
     axes.axhline(1.0, color="0.35", lw=0.8)
     if np.isfinite(a_c):
-        axes.axvline(a_c, color=CRITICAL, lw=0.8, ls=":")
+        axes.plot([a_c, a_c], [0.0, 1.0], color=CRITICAL, lw=1.0, ls=":")
         axes.plot(a_c, 1.0, "o", ms=10, mfc="none", mec=CRITICAL, mew=2, label=f"$a_c$ = {a_c:.3g} mm")
     top = float(np.clip(np.nanmax(shown), 1.5, 3.0))
     axes.set(xlim=(0, end), ylim=(0, 1.4 * top))
