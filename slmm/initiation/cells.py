@@ -65,7 +65,7 @@ def path_fractions(linear_lengths: int) -> np.ndarray:
     """Distances along the path over a_n at which the curves are given."""
     fine = np.linspace(0.0, 1.0, CURVE_POINTS) ** 2
     if linear_lengths:
-        # the kinks of the piecewise linear energy are points of the curve
+        # the kinks of the piecewise linear curve are points of the curve
         kinks = np.arange(1, linear_lengths + 1) / linear_lengths
         nearest = np.argmin(np.abs(fine[:, None] - kinks), axis=0)
         fine[nearest] = kinks
@@ -154,12 +154,10 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
 
     a_image = path_fractions(settings.linear_lengths) * meta.lengths[-1]
     if settings.linear_lengths:
-        stored = np.linspace(0.0, meta.lengths[-1], settings.linear_lengths + 1)[1:]
-        energy = np.stack([_at_length(meta, G, a) * a for a in stored], axis=1)
-        energy = np.concatenate([np.zeros((len(G), 1)), energy], axis=1)
-        knots = np.concatenate([[0.0], stored])
-        dense = np.array([np.interp(a_image, knots, row) for row in energy])
-        G_dense = np.divide(dense, a_image, out=np.zeros_like(dense), where=a_image > 0)
+        # Psi/a linear between the stored lengths and 0 without a crack (Eq. 9)
+        stored = np.linspace(0.0, meta.lengths[-1], settings.linear_lengths + 1)
+        at_stored = np.stack([_at_length(meta, G, a) for a in stored], axis=1)
+        G_dense = np.array([np.interp(a_image, stored, row) for row in at_stored])
     else:
         G_dense = CubicSpline(meta.lengths, G / meta.lengths, axis=1)(a_image) * a_image
     if lower is not None:  # the mean opening of the crack's faces

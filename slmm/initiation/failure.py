@@ -13,7 +13,6 @@ import xarray as xr
 from slmm import __version__
 from slmm.initiation.cells import CURVE_POINTS, cell_curves, select_modes
 from slmm.initiation.criterion import GOVERNED_BY, NONE, critical_load, stress_over_crack
-from slmm.initiation.full_fea import full_fea_curves
 from slmm.initiation.local_model import LocalModel, solve_local_model
 from slmm.initiation.meta_model import MetaModel, load_meta_model, shipped_database
 from slmm.initiation.placement import STOPPED
@@ -211,6 +210,8 @@ LONGEST_IN_LIGAMENT = 0.8
 
 
 def _by_full_fea(scene: Scene, where: Positions, average: bool, progress: Progress) -> _Answer:
+    from slmm.initiation.full_fea import full_fea_curves  # imports the finite element libraries
+
     answer = _Answer.empty(len(where.s))
     material = scene.material
     for i, (hole, s) in enumerate(zip(where.hole, where.s, strict=True)):

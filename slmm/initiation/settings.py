@@ -30,7 +30,7 @@ class Settings:
     relaxed : {"unbounded", "force"}
         The upper bound that auto control mixes in.
     linear_lengths : int
-        0 interpolates G_inc/a smoothly; n interpolates the energy linearly between n lengths.
+        0 interpolates G_inc/a smoothly; n interpolates G_inc linearly between n equidistant lengths.
     height : float
         Fixes the cell's height, mm; 0 lets it grow.
     """
