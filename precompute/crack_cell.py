@@ -2,9 +2,8 @@
 
 The cell is symmetric about the crack line xi = 0, so its half 0 <= xi <= 1 serves both the symmetric and
 the antisymmetric deformation modes, which never couple. One sparse factorisation of the half cell with the
-whole crack line open gives the compliance of the crack line; its inverse is the stiffness S that
-`crack_factor` needs, for the symmetric modes from the xi-displacements of the line and for the antisymmetric
-ones from its eta-displacements.
+whole crack line open gives the stiffness S of the crack line that `crack_factor` needs, for the symmetric
+modes from the xi-displacements of the line and for the antisymmetric ones from its eta-displacements.
 """
 
 from __future__ import annotations
@@ -99,15 +98,14 @@ def solve_cell(
     """
     body = cell_body(curvature, lengths, fineness)
     K = body.stiffness(nu)
-    lu = body.factorise(K)
-    n = len(body.line_eta)
+    open_body = body.factorise(K)
     symmetric = np.array([mode.symmetric for mode in modes])
 
     u = np.zeros((len(body.free), len(modes)))
     for k, mode in enumerate(modes):
         dofs = np.flatnonzero(body.held & (body.direction == mode.direction))
         u[dofs, k] = mode(*body.where[:, dofs])
-    u_free = -lu.solve(np.asarray((K @ u)[body.free]))  # with the whole crack line open
+    u_free = -open_body.solve(np.asarray((K @ u)[body.free]))  # with the whole crack line open
 
     # the tip itself stays closed
     opened = np.searchsorted(body.line_eta, lengths * (1 - 1e-9))
@@ -116,13 +114,11 @@ def solve_cell(
         which = np.flatnonzero(symmetric == parity)
         if len(which) == 0:
             continue
-        unit = body.unit_solutions(lu, d, n)
-        C = unit[body.line[d]]
-        S = np.linalg.inv(0.5 * (C + C.T))
-        S = 0.5 * (S + S.T)
-        closing = -S @ u_free[np.ix_(body.line[d], which)]
-        u_free[:, which] += unit @ closing
-        y = crack_factor(S, closing)
+        S = open_body.line_stiffness(d)
+        closing = np.zeros((len(u_free), len(which)))  # forces on the line
+        closing[body.line[d]] = -S @ u_free[np.ix_(body.line[d], which)]
+        u_free[:, which] += open_body.solve(closing)
+        y = crack_factor(S, closing[body.line[d]])
         for j, k in enumerate(opened):
             Psi[j][np.ix_(which, which)] = 2 * y[:k].T @ y[:k]  # both halves of the cell
     u[body.free] = u_free
