@@ -58,11 +58,11 @@ def position_record(result: xr.Dataset, i: int) -> dict[str, Any]:
 def as_json(result: xr.Dataset) -> str:
     """All positions as JSON; null where a value is missing."""
     ranked = by_criticality(result)
-    attrs = {str(key): _plain(value) for key, value in result.attrs.items()}
+    attrs = dict(result.attrs)
     if isinstance(attrs.get("settings"), str):
         attrs["settings"] = json.loads(attrs["settings"])
     positions = [position_record(result, i) for i in range(result.sizes["position"])]
-    content = attrs | {
+    content = _plain(attrs) | {
         "units": {name: result[name].attrs.get("units", "") for name in positions[0] if name in result},
         "verdict": verdict(result),
         "status_counts": status_counts(result),
@@ -73,6 +73,11 @@ def as_json(result: xr.Dataset) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A numpy value as JSON knows it."""
-    value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+    """A value as strict JSON knows it: no numpy, and null for what is not finite."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

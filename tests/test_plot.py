@@ -54,7 +54,7 @@ def made_up(scene: Scene, positions: int = 24, missing: tuple[int, ...] = ()) ->
             name: (("position", "crack"), values, {"units": units})
             for name, (values, units) in curves.items()
         },
-        attrs={"title": scene.title, "method": "slmm+ac", "settings": "{}"},
+        attrs={"title": scene.title, "method": "slmm+ac", "settings": '{"absolute": Infinity}'},
     )
 
 
@@ -123,6 +123,7 @@ def test_json_is_strict_and_complete():
     result = made_up(scene, missing=(1,))
     result["load_factor"][2] = np.inf
     content = json.loads(as_json(result), parse_constant=pytest.fail)
+    assert content["settings"] == {"absolute": None}
     assert len(content["positions"]) == 24
     assert content["positions"][1]["failure_index"] is None
     assert content["positions"][1]["status"] == REASON

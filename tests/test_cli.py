@@ -1,0 +1,211 @@
+"""The command line: what it writes, what it refuses, and that nothing is lost when it fails."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numba
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import slmm
+from slmm.cli import _word_on_compilation, app
+from slmm.initiation.meta_model import shipped_database
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+OLD = b"the result of an earlier run"
+
+SCENE = """
+title = "Hole"
+[plate]
+width = 100.0
+height = 100.0
+[[holes]]
+shape = "circle"
+center = [50.0, 50.0]
+radius = 20.0
+[material]
+name = "PMMA"
+[load]
+strain = [0.0, 0.02, 0.0]
+[analysis]
+method = "slmm+ac"
+positions = 8
+voxels = 40000
+"""
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def refused(result, *words):
+    """Code 2, the reason on stderr, nothing on stdout, no traceback."""
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+    for word in words:
+        assert word in result.stderr
+    return True
+
+
+def test_version():
+    assert run("--version").stdout == f"slmm {slmm.__version__}\n"
+
+
+def test_table_files_and_provenance(scene_file, tmp_path):
+    output, plot = tmp_path / "result.nc", tmp_path / "result.png"
+    result = run("initiation", scene_file, "-o", output, "--plot", plot)
+    assert result.exit_code == 0, result.stderr
+    assert "A crack starts there under this load" in result.stdout
+    assert "Positions: 8 ok." in result.stdout
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    with xr.open_dataset(output) as written:
+        assert written.sizes["position"] == 8
+        assert {"failure_index", "status", "G_inc", "sigma_I"} <= set(written.data_vars)
+        assert written.attrs["version"] == slmm.__version__
+        assert written.attrs["command"].startswith("slmm ")
+        assert all("units" in written[name].attrs for name in written.data_vars)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["result.nc", "result.png", "scene.toml"]
+
+
+def test_json_is_all_that_stands_on_stdout(scene_file):
+    result = run("initiation", scene_file, "--json", "--positions", "6", "--method", "slmm")
+    assert result.exit_code == 0, result.stderr
+    content = json.loads(result.stdout, parse_constant=pytest.fail)
+    assert content["method"] == "slmm"
+    assert len(content["positions"]) == 6
+    worst = content["most_critical"]
+    assert worst["failure_index"] == pytest.approx(1 / worst["load_factor"])
+    assert worst["failure_index"] == max(position["failure_index"] for position in content["positions"])
+
+
+def test_positions_keep_the_order_of_explicit_points(scene_file):
+    text = SCENE.replace("positions = 8", "points = [[50.0, 70.0], [70.0, 50.0], [30.0, 50.0]]")
+    scene_file.write_text(text)
+    positions = json.loads(run("initiation", scene_file, "--json").stdout)["positions"]
+    assert [round(position["x"]) for position in positions] == [50, 70, 30]
+
+
+def test_bad_scene_is_refused(scene_file):
+    scene_file.write_text(SCENE.replace("radius = 20.0", "radius = -20.0"))
+    assert refused(run("initiation", scene_file), "holes[0].radius = -20.0", "greater than 0")
+    assert refused(run("initiation", scene_file.with_name("none.toml")), "none.toml")
+
+
+def test_unknown_method_is_refused(scene_file):
+    assert refused(run("initiation", scene_file, "--method", "guess"), "guess", "slmm+ac", "full-fea")
+
+
+def test_unknown_option_is_refused(scene_file):
+    assert run("initiation", scene_file, "--colour").exit_code == 2
+    assert run("initiation", scene_file, "--positions", "0").exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "word"),
+    [
+        ("-o", "result.txt", ".nc"),
+        ("--plot", "result.bmp", ".png"),
+        ("-o", "nowhere/result.nc", "no folder"),
+        ("--plot", "folder.png", "is a folder"),
+    ],
+)
+def test_targets_are_checked_before_the_work(scene_file, tmp_path, monkeypatch, option, name, word):
+    monkeypatch.setattr(slmm, "failure_indices", lambda *_, **__: pytest.fail("worked before it checked"))
+    (tmp_path / "folder.png").mkdir()
+    assert refused(run("initiation", scene_file, option, tmp_path / name), option, word)
+
+
+def test_an_input_is_never_overwritten(tmp_path):
+    for name in ("notch.toml", "notch.png"):
+        shutil.copy(EXAMPLES / name, tmp_path)
+    picture = (tmp_path / "notch.png").read_bytes()
+    assert refused(
+        run("initiation", tmp_path / "notch.toml", "--plot", tmp_path / "notch.png"), "is an input"
+    )
+    database = tmp_path / "cells.nc"
+    shutil.copy(shipped_database(), database)
+    assert refused(run("initiation", tmp_path / "notch.toml", "--database", database, "-o", database))
+    assert (tmp_path / "notch.png").read_bytes() == picture
+    assert database.read_bytes() == shipped_database().read_bytes()
+
+
+def test_a_failing_run_destroys_nothing(scene_file, tmp_path, monkeypatch):
+    output, plot = tmp_path / "result.nc", tmp_path / "result.png"
+    output.write_bytes(OLD)
+    plot.write_bytes(OLD)
+    assert refused(run("initiation", scene_file, "-o", output, "--plot", plot, "--database", plot))
+
+    def breaks_off(self, path, **_):
+        Path(path).write_bytes(b"half of it")
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", breaks_off)
+    result = run("initiation", scene_file, "-o", output, "--plot", plot)
+    assert result.exit_code == 1
+    assert "no space left on device" in result.stderr
+    assert output.read_bytes() == plot.read_bytes() == OLD
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_no_value_anywhere_is_no_success(scene_file, tmp_path, monkeypatch):
+    real = slmm.failure_indices
+
+    def without_values(*arguments, **settings):
+        result = real(*arguments, **settings)
+        result["failure_index"] = result["failure_index"] * float("nan")
+        return result.assign(status=("position", ["no cell"] * 8))
+
+    monkeypatch.setattr(slmm, "failure_indices", without_values)
+    result = run("initiation", scene_file, "-o", tmp_path / "result.nc", "--plot", tmp_path / "result.pdf")
+    assert result.exit_code == 1
+    assert "8 no cell" in result.stdout
+    assert (tmp_path / "result.nc").exists() and (tmp_path / "result.pdf").exists()
+
+
+def test_info_says_what_the_shipped_database_holds():
+    result = run("info")
+    assert result.exit_code == 0, result.stderr
+    for word in (
+        "schema",
+        "curvature",
+        "poisson",
+        "crack_length",
+        "modes",
+        "slmm-precompute",
+        "verified",
+        "MB",
+    ):
+        assert word in result.stdout
+
+
+def test_info_refuses_an_altered_database(tmp_path):
+    path = tmp_path / "cells.nc"
+    with xr.open_dataset(shipped_database()) as cells:
+        cells.isel(poisson=[0]).to_netcdf(path)  # and the old checksum
+    assert refused(run("info", path), "altered")
+    path.write_bytes(shipped_database().read_bytes()[:10_000])
+    assert refused(run("info", path), "cells.nc")
+
+
+def test_compilation_is_announced_once(capsys):
+    @numba.njit
+    def twice(x):
+        return 2 * x
+
+    with _word_on_compilation():
+        assert twice(1) == 2
+        assert twice(1.0) == 2.0
+    assert capsys.readouterr().err.count("compiling kernels") == 1
+    with _word_on_compilation():
+        assert twice(1) == 2
+    assert capsys.readouterr().err == ""
