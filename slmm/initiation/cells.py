@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BarycentricInterpolator, CubicSpline
+from scipy.interpolate import CubicSpline
 
 from slmm.contours.outline import Outline
 from slmm.initiation import control
 from slmm.initiation.local_model import LocalModel
-from slmm.initiation.meta_model import MetaModel
+from slmm.initiation.meta_model import MetaModel, polynomial_matrix
 from slmm.initiation.placement import CELL_HEIGHT, Constraints, fit_cells, grow_cells
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 
@@ -165,7 +165,7 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
         G_dense = np.where(closed, 0.0, G_dense)
     G_dense = np.maximum(G_dense, 0.0)
 
-    sigma = BarycentricInterpolator(meta.eta, stress, axis=2)(a_image)
+    sigma = stress @ polynomial_matrix(meta.eta, a_image).T
     normal, tangential, shear = sigma[:, 0], sigma[:, 1], sigma[:, 2]
     principal = 0.5 * (normal + tangential) + np.hypot(0.5 * (normal - tangential), shear)
     return w, (a_image * scale[:, None], G_dense * (E * scale)[:, None], principal * E)

@@ -113,7 +113,7 @@ def failure_indices(
     >>> from slmm.gallery import circular_hole
     >>> result = failure_indices(circular_hole(analysis={"points": [[70, 50]], "voxels": 40000}), "slmm+ac")
     >>> round(float(result.failure_index[0]), 1)
-    9.0
+    9.3
     """
     method = scene.analysis.method if method is None else method
     if method not in METHODS:

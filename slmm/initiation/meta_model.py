@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from numpy.polynomial import legendre
-from scipy.interpolate import BarycentricInterpolator, CubicSpline
+from numpy.polynomial.chebyshev import chebvander
+from scipy.interpolate import CubicSpline
 
 from slmm.cell_file import DatabaseError, read_cells
 
@@ -143,11 +144,10 @@ class MetaModel:
         x, w = legendre.leggauss(k + len(self.eta))
         P = legendre.legvander(x, k - 1)
         norm = (2 * np.arange(k) + 1) / 2
-        nodal = BarycentricInterpolator(self.eta)
         result = []
         for a in self.lengths:
-            values = np.array([_cardinal(nodal, j, a * (x + 1) / 2) for j in range(len(self.eta))])
-            result.append(norm[:, None] * ((P * w[:, None]).T @ values.T))
+            values = polynomial_matrix(self.eta, a * (x + 1) / 2)
+            result.append(norm[:, None] * ((P * w[:, None]).T @ values))
         return np.array(result)
 
     def unbounded_release(self, curvature: np.ndarray, stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -177,11 +177,18 @@ class MetaModel:
         return 0.5 * energy * self.lengths, opened[..., 0]
 
 
-def _cardinal(interpolator: BarycentricInterpolator, j: int, at: np.ndarray) -> np.ndarray:
-    unit = np.zeros(len(interpolator.xi))
-    unit[j] = 1.0
-    interpolator.set_yi(unit)
-    return interpolator(at)
+def polynomial_matrix(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """From values at ``nodes`` to those of the polynomial through them at ``at``, (len(at), len(nodes)).
+
+    Examples
+    --------
+    >>> polynomial_matrix(np.array([0.0, 1.0, 2.0]), np.array([0.5])) @ np.array([0.0, 1.0, 4.0])
+    array([0.25])
+    """
+    middle, half = 0.5 * (nodes[0] + nodes[-1]), 0.5 * (nodes[-1] - nodes[0])
+    degree = len(nodes) - 1
+    basis = chebvander((nodes - middle) / half, degree)
+    return np.linalg.solve(basis.T, chebvander((np.atleast_1d(at) - middle) / half, degree).T).T
 
 
 @lru_cache(maxsize=4)
@@ -247,7 +254,7 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
 def _between(stored, K, T, nu):
     """Interpolate flexibility, path stress and released energy of given modal forces over atanh(nu)."""
     n_c, m = K.shape[0], K.shape[-1]
-    at = np.arctanh(stored)
+    between = polynomial_matrix(np.arctanh(stored), np.array([math.atanh(nu)]))[0]
     K0 = np.zeros((n_c, m, m))
     Psi = np.zeros((n_c, K.shape[2] - 1, m, m))
     stress = np.zeros((n_c, *T.shape[2:]))
@@ -258,7 +265,7 @@ def _between(stored, K, T, nu):
         loss = np.einsum("mr,pamk,ks->pars", Q, K[i, :, :1] - K[i, :, 1:], Q, optimize=True)
         released = flexibility[:, None] @ loss @ flexibility[:, None]
         carried = np.einsum("pmce,mr,prs->psce", T[i], Q, flexibility, optimize=True)
-        F, R, S = (BarycentricInterpolator(at, y)(math.atanh(nu)) for y in (flexibility, released, carried))
+        F, R, S = (np.tensordot(between, y, axes=1) for y in (flexibility, released, carried))
         stiff = np.linalg.inv(0.5 * (F + F.T))
         K0[i] = Q @ stiff @ Q.T
         Psi[i] = Q @ (stiff @ (0.5 * (R + R.swapaxes(-1, -2))) @ stiff) @ Q.T

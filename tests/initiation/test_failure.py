@@ -250,4 +250,6 @@ def test_positions_on_an_edge_notch_lie_within_the_plate():
     result = failure_indices(scene, "slmm+ac")
     assert result.sizes["position"] == 12
     assert (result.x.values > 0).all()
-    assert int(np.nanargmax(result.failure_index.values)) in (5, 6)
+    # the root of the notch, where the outline starts, is the most critical
+    root = int(np.nanargmax(result.failure_index.values))
+    assert abs(float(result.y[root]) - 50) < 3
