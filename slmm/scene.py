@@ -243,14 +243,16 @@ class Analysis(Table):
     """How to compute: the method, where, and with how fine a model.
 
     ``points`` (mm), when given, take the place of ``positions`` equally spaced ones on every hole.
-    ``void_stiffness`` is the stiffness of a hole's voxels as a share of the material's.
+    ``void_stiffness`` is the stiffness of a hole's voxels as a share of the material's. ``settings`` are the
+    package's own or those that Paper A published.
     """
 
-    method: Method = "auto"
+    method: Method = "slmm+ac"
     positions: Annotated[Count, Field(ge=1, le=100_000)] = 50
     points: Annotated[PlanePoints, Field(min_length=1)] | None = None
     voxels: Literal["auto"] | Count = "auto"
     void_stiffness: Annotated[Number, Field(ge=1e-9, le=0.1)] = 1e-6
+    settings: Literal["default", "published"] = "default"
 
     @field_validator("voxels", mode="before")
     @classmethod

@@ -105,18 +105,19 @@ def cell_curves(
     """
     coefficients, length = np.ascontiguousarray(outline.coefficients), outline.length
     voxel = max(local.hx, local.hy)
-    grid = (local.density, local.hx, local.hy)
-    # twice the radius of the largest circle in the plate bounds every cell
+    # no cell that fits the plate is higher than this
     largest = settings.height or 2 * max(local.nx * local.hx, local.ny * local.hy)
     first = settings.height or settings.cell_voxels * voxel
-    limits = (float(meta.curvature[0]), float(meta.curvature[-1]))
-    height, _, stopped = grow_cells(coefficients, length, s, first, largest, rule, *limits, *grid)
+    c_min, c_max = float(meta.curvature[0]), float(meta.curvature[-1])
+    height, _, stopped = grow_cells(
+        coefficients, length, s, first, largest, rule, c_min, c_max, local.density, local.hx, local.hy
+    )
 
     along_xi = meta.powers[:, 0] == 0
-    powers = [np.ascontiguousarray(meta.powers[which, 1:]) for which in (along_xi, ~along_xi)]
+    powers_xi, powers_eta = (np.ascontiguousarray(meta.powers[which, 1:]) for which in (along_xi, ~along_xi))
 
     def fitted(h):
-        return fit_cells(coefficients, length, s, h, rule, *powers, local.u, local.hx, local.hy)
+        return fit_cells(coefficients, length, s, h, rule, powers_xi, powers_eta, local.u, local.hx, local.hy)
 
     has_cell = np.isfinite(height)
     n, points = len(s), CURVE_POINTS
@@ -137,20 +138,19 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
     scale = height / CELL_HEIGHT  # lambda_l, Eq. 15
     image_c = np.clip(curvature * scale, meta.curvature[0], meta.curvature[-1])
     stress = meta.path_stress(image_c, modes)
-    lower, upper = _bounds(meta, image_c, modes, stress, settings, auto_control)
+    opening, release = _bounds(meta, image_c, modes, stress, settings, auto_control)
     if auto_control:
         half_c = np.clip(small_curvature * scale / 2, meta.curvature[0], meta.curvature[-1])
         half_stress = meta.path_stress(half_c, small_modes)
-        half_bounds = _bounds(meta, half_c, small_modes, half_stress, settings, auto_control)
+        _, half_release = _bounds(meta, half_c, small_modes, half_stress, settings, auto_control)
         # a_n of the small cell is half of that of the large one; G scales with the length
         a_n = meta.lengths[-1]
-        small = 0.5 * np.stack([bound[..., -1] for bound in half_bounds[1]])
-        large = np.stack([_at_length(meta, row, 0.5 * a_n) for row in upper])
+        small = 0.5 * half_release[..., -1]
+        large = np.stack([_at_length(meta, row, 0.5 * a_n) for row in release])
         w = control.auto_weight(small, large)
     else:
         w = np.zeros(len(scale))
-    coefficients = upper
-    G = coefficients[0] + w[:, None] * (coefficients[1] + w[:, None] * coefficients[2])
+    G = release[0] + w[:, None] * (release[1] + w[:, None] * release[2])
 
     a_image = path_fractions(settings.linear_lengths) * meta.lengths[-1]
     if settings.linear_lengths:
@@ -160,10 +160,8 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
         G_dense = np.array([np.interp(a_image, stored, row) for row in at_stored])
     else:
         G_dense = CubicSpline(meta.lengths, G / meta.lengths, axis=1)(a_image) * a_image
-    if lower is not None:  # the mean opening of the crack's faces
-        closed = CubicSpline(meta.lengths, lower, axis=1)(a_image) <= 0
-        G_dense = np.where(closed, 0.0, G_dense)
-    G_dense = np.maximum(G_dense, 0.0)
+    closed = CubicSpline(meta.lengths, opening, axis=1)(a_image) <= 0
+    G_dense = np.where(closed, 0.0, np.maximum(G_dense, 0.0))
 
     sigma = stress @ polynomial_matrix(meta.eta, a_image).T
     normal, tangential, shear = sigma[:, 0], sigma[:, 1], sigma[:, 2]

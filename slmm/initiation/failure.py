@@ -68,7 +68,7 @@ def failure_indices(
     method: str | None = None,
     positions: int | None = None,
     curves: bool = False,
-    settings: str | Settings = "default",
+    settings: str | Settings | None = None,
     database: Path | str | None = None,
     average: bool = False,
     progress: Progress = lambda fraction, text: None,
@@ -86,8 +86,8 @@ def failure_indices(
         Positions on each hole, equally spaced; by default what the scene asks for.
     curves : bool
         Also give G_inc and sigma_I along the crack paths.
-    settings : {"default", "published"} or Settings
-        How cells are chosen, fitted and relaxed; "published" is Paper A's way.
+    settings : {"default", "published"} or Settings, optional
+        How cells are chosen, fitted and relaxed; "published" is Paper A's way. By default what the scene asks for.
     database : path, optional
         Crack-cell database in place of the shipped one.
     average : bool
@@ -118,6 +118,7 @@ def failure_indices(
     method = scene.analysis.method if method is None else method
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: available are {', '.join(METHODS)}")
+    settings = scene.analysis.settings if settings is None else settings
     if isinstance(settings, str):
         if settings not in SETTINGS:
             raise ValueError(f"settings = {settings!r}: available are {', '.join(SETTINGS)}")
@@ -251,6 +252,19 @@ def ligament_length(scene: Scene, point: np.ndarray, direction: np.ndarray) -> f
     return float(first.length)
 
 
+def _irwin_length_limit(scene: Scene, answer: _Answer) -> np.ndarray:
+    """G_inc E/sigma_I^2 at the longest crack, mm: the applicability factor times the notch radius (Eq. 33).
+
+    A material with a longer Irwin's length starts a crack longer than the curves.
+    """
+    E = scene.material.plane_stress_equivalent[0]
+    stress = answer.sigma_I[:, -1]
+    limit = np.full(len(stress), np.nan)
+    tension = stress > 0
+    limit[tension] = answer.G_inc[tension, -1] * E / stress[tension] ** 2
+    return limit
+
+
 _UNITS = {
     "x": ("mm", "x coordinate of the notch point"),
     "y": ("mm", "y coordinate of the notch point"),
@@ -265,6 +279,7 @@ _UNITS = {
     "cell_height": ("mm", "height of the crack cell"),
     "control_weight": ("1", "weight of the relaxed boundary"),
     "misfit": ("1", "part of the boundary displacement that the modes leave"),
+    "irwin_length_limit": ("mm", "Irwin's length up to which the curves reach far enough"),
     "a": ("mm", "crack length, and distance from the notch"),
     "G_inc": ("N/mm", "incremental energy release rate"),
     "sigma_I": ("MPa", "maximum principal stress without a crack"),
@@ -288,8 +303,9 @@ def _dataset(scene: Scene, where: Positions, answer: _Answer, curves: bool, prov
         "cell_height": answer.height,
         "control_weight": answer.weight,
         "misfit": answer.misfit,
+        "irwin_length_limit": _irwin_length_limit(scene, answer),
     }
-    data = {name: ("position", array) for name, array in values.items()}
+    data: dict[str, tuple] = {name: ("position", array) for name, array in values.items()}
     if curves:
         data |= {name: (("position", "crack"), getattr(answer, name)) for name in ("a", "G_inc", "sigma_I")}
     dataset = xr.Dataset(data)

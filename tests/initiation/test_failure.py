@@ -253,3 +253,20 @@ def test_positions_on_an_edge_notch_lie_within_the_plate():
     # the root of the notch, where the outline starts, is the most critical
     root = int(np.nanargmax(result.failure_index.values))
     assert abs(float(result.y[root]) - 50) < 3
+
+
+def test_applicability_limit_tells_which_materials_have_an_answer():
+    limit = float(one(small()).irwin_length_limit)
+    tough = one(small(material=material(1.5 * limit)))  # a wider cell has to serve, or none
+    assert float(one(small(material=material(0.95 * limit))).irwin_length_limit) == pytest.approx(limit)
+    assert float(tough.irwin_length_limit) > limit
+    hopeless = one(small(material=material(100 * limit)))
+    assert str(hopeless.status.values) == "crack longer than the cell"
+    assert np.isnan(float(hopeless.failure_index))
+
+
+def test_the_scene_can_ask_for_the_papers_settings():
+    asked = small().with_(analysis={"settings": "published"})
+    result = failure_indices(asked, "slmm+ac")
+    assert '"published"' in result.attrs["settings"]
+    assert float(result.failure_index[0]) != pytest.approx(float(one(small()).failure_index), rel=1e-3)
