@@ -6,6 +6,7 @@ Libraries that take long to import are imported where they are needed, so that h
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import shlex
 import sys
@@ -272,7 +273,7 @@ def _print_database(path: Path, cells: xr.Dataset) -> None:
         "command": attrs.get("command", ""),
         "mesh": attrs.get("mesh", ""),
         "solver": attrs.get("solver", ""),
-        "settings": attrs.get("settings", ""),
+        "settings": _scalars(attrs.get("settings", "{}")),
         "checksum": f"{attrs['checksum']} (verified)",
     }
     for name in ("curvature", "poisson", "crack_length", "eta"):
@@ -284,9 +285,17 @@ def _print_database(path: Path, cells: xr.Dataset) -> None:
     names = ", ".join(f"{('xi', 'eta')[int(d)]}:{_monomial(int(p), int(q))}" for d, p, q in powers)
     lines["modes"] = f"{cells.sizes['mode']} (direction:displacement): {names}"
     table = Table(show_header=False, box=None, padding=(0, 1))
+    table.add_column()
+    table.add_column(overflow="fold")
     for name, text in lines.items():
         table.add_row(name, str(text))
     Console(highlight=False, markup=False).print(table)
+
+
+def _scalars(settings: str) -> str:
+    """Settings that are no lists; those are the axes."""
+    values = json.loads(settings)
+    return ", ".join(f"{key} {value}" for key, value in values.items() if isinstance(value, int | float))
 
 
 def _monomial(p: int, q: int) -> str:
