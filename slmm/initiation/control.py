@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from slmm.initiation.meta_model import MetaModel
-
 
 def displacement_controlled(Psi: np.ndarray, modes: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """G'_inc (n, n_a) of cells whose boundary is held, N/mm (Eq. 9).
@@ -76,12 +74,3 @@ def auto_weight(small: np.ndarray, large: np.ndarray) -> np.ndarray:
         np.argmin(np.where(np.isfinite(difference), difference, np.inf), axis=0), np.arange(n)
     ]
     return np.where(np.isfinite(c0 + c1 + c2), weight, np.nan)
-
-
-def held_and_unbounded(
-    meta: MetaModel, curvature: np.ndarray, modes: np.ndarray, stress: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """G'_inc with held boundary and in an unbounded body (2, n, n_a), and the mean opening (n, n_a)."""
-    lower = displacement_controlled(meta.stiffness_loss(curvature), modes, meta.lengths)
-    upper, opening = meta.unbounded_release(curvature, stress)
-    return np.stack([lower, upper]), opening
