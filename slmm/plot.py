@@ -123,10 +123,11 @@ def draw_notch(axes: Axes, bars: tuple[Axes, Axes], scene: Scene, result: xr.Dat
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal", xlabel="x in mm", ylabel="y in mm")
     axes.locator_params(nbins=6)
     if axes.get_legend_handles_labels()[0]:
-        place = (-0.02, 1.0)
+        # above the colour bar, too, however flat the plate
         axes.legend(
             loc="lower left",
-            bbox_to_anchor=place,
+            bbox_to_anchor=(0.05, 0.87),
+            bbox_transform=axes.figure.transFigure,
             ncols=3,
             frameon=False,
             borderaxespad=0.1,
@@ -139,12 +140,13 @@ def draw_along_notch(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
     """Failure index over arc length, one line per hole; gaps where there is no value, with the reasons."""
     FI, hole, s, status = (result[name].values for name in ("failure_index", "hole", "arc_length", "status"))
     found = np.isfinite(FI)
-    holes = np.unique(hole)
+    holes, longest = np.unique(hole), 1e-9
     for h in holes:
         colour = PALETTE[int(h) % len(PALETTE)]
         on_hole = np.flatnonzero(hole == h)
         lines = _joined(s[on_hole], FI[on_hole], scene.outlines[int(h)].length)
         axes.add_collection(LineCollection(lines, colors=colour, linewidths=1.5))
+        longest = max([longest, *s[on_hole], *(end for _, (end, _) in lines)])
         named = len(holes) > 1 and h < len(PALETTE)
         shown = on_hole[found[on_hole]]
         axes.plot(s[shown], FI[shown], "o", ms=4, color=colour, label=f"outline {h}" if named else None)
@@ -157,7 +159,6 @@ def draw_along_notch(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
     if ranked:
         axes.plot(s[ranked[0]], FI[ranked[0]], "o", ms=10, mfc="none", mec=CRITICAL, mew=2)
 
-    longest = max(outline.length for outline in scene.outlines)
     top = float(FI[found].max(initial=0.0)) or 1.0
     if top > 0.6:  # below, the line would only press the values down
         top = max(top, 1.0)
