@@ -229,6 +229,7 @@ def draw(rows, errors, path):
         ]
         right.loglog(*zip(*picked, strict=True), "o-", label=label)
     right.set(xlabel="CPU time (s)", ylabel="error of the displacement, rms (%)")
+    right.xaxis.set_minor_formatter("")  # the labels between the decades would overlap
     for axes in (left, right):
         axes.grid(which="both", alpha=0.3)
         axes.legend()
