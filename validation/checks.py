@@ -73,9 +73,15 @@ def show(title: str, checks: Iterable[Check]) -> None:
     for c in checks:
         limit = {"equal": f"{100 * c.tolerance:g} %", "at most": "at most", "told": ""}[c.rule]
         verdict = "" if c.holds else "FAILS"
-        difference = "" if c.rule == "at most" else f"{100 * c.difference:+.2f} %"
-        table.add_row(c.case, c.quantity, f"{c.wanted:.4g}", f"{c.ours:.4g}", difference, limit, verdict)
+        difference = "" if c.rule == "at most" else _text(100 * c.difference, "+.2f", " %")
+        table.add_row(
+            c.case, c.quantity, _text(c.wanted, ".4g"), _text(c.ours, ".4g"), difference, limit, verdict
+        )
     Console(width=140).print(table)
+
+
+def _text(value: float, digits: str, unit: str = "") -> str:
+    return "" if math.isnan(value) else format(value, digits) + unit
 
 
 def save(name: str, rows: Iterable[Mapping[str, object]]) -> None:
