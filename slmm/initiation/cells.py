@@ -13,6 +13,8 @@ from slmm.initiation.local_model import LocalModel
 from slmm.initiation.meta_model import MetaModel, polynomial_matrix
 from slmm.initiation.placement import CELL_HEIGHT, Constraints, fit_cells, grow_cells
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
+from slmm.initiation.support import edge_support, supported
+from slmm.scene import Scene
 
 #: points of the curves along a crack path, dense towards the surface
 CURVE_POINTS = 201
@@ -30,8 +32,9 @@ class Curves:
         Incremental energy release rate, N/mm; 0 where the crack would be closed.
     sigma_I : ndarray (n, CURVE_POINTS)
         Maximum principal stress, MPa.
-    height, curvature, weight, misfit : ndarray (n,)
-        Of the cell: height (mm), fitted c (1/mm), weight w of the auto control, misfit of the boundary fit.
+    height, curvature, weight, support, misfit : ndarray (n,)
+        Of the cell: height (mm), fitted c (1/mm), weight w of the auto control, support rho of the plate's edges,
+        misfit of the boundary fit.
     stopped : ndarray (n,)
         Index into `placement.STOPPED`.
     """
@@ -42,6 +45,7 @@ class Curves:
     height: np.ndarray
     curvature: np.ndarray
     weight: np.ndarray
+    support: np.ndarray
     misfit: np.ndarray
     stopped: np.ndarray
 
@@ -73,11 +77,11 @@ def path_fractions(linear_lengths: int) -> np.ndarray:
 
 
 def cell_curves(
+    scene: Scene,
     outline: Outline,
     s: np.ndarray,
     local: LocalModel,
     meta: MetaModel,
-    E: float,
     settings: Settings,
     rule: Constraints,
     auto_control: bool,
@@ -86,6 +90,8 @@ def cell_curves(
 
     Parameters
     ----------
+    scene : Scene
+        Plate, load and material.
     outline : Outline
         The notch.
     s : ndarray (n,)
@@ -94,8 +100,6 @@ def cell_curves(
         Displacements around the notch.
     meta : MetaModel
         Only the modes that are to be fitted.
-    E : float
-        Young's modulus in plane stress, MPa.
     settings : Settings
         How.
     rule : Constraints
@@ -122,18 +126,22 @@ def cell_curves(
     has_cell = np.isfinite(height)
     n, points = len(s), CURVE_POINTS
     a, G_inc, sigma_I = (np.full((n, points), np.nan) for _ in range(3))
-    weight = np.full(n, np.nan)
+    weight, support = np.full(n, np.nan), np.full(n, np.nan)
     curvature, modes, misfit = fitted(height)
     if has_cell.any():
         h, c, u = height[has_cell], curvature[has_cell], modes[has_cell]
         small_c, small_u = (v[has_cell] for v in fitted(0.5 * height)[:2]) if auto_control else (c, u)
-        w, curves = _superpose(meta, E, h, c, u, small_c, small_u, settings, auto_control)
-        weight[has_cell] = w
+        rho = np.zeros(len(h))
+        if auto_control and settings.relaxed == "unbounded":
+            rho = edge_support(scene, outline, s[has_cell], h, c)
+        E = scene.material.plane_stress_equivalent[0]
+        w, curves = _superpose(meta, E, h, c, u, small_c, small_u, settings, auto_control, rho)
+        weight[has_cell], support[has_cell] = w, rho
         a[has_cell], G_inc[has_cell], sigma_I[has_cell] = curves
-    return Curves(a, G_inc, sigma_I, height, curvature, weight, misfit, stopped)
+    return Curves(a, G_inc, sigma_I, height, curvature, weight, support, misfit, stopped)
 
 
-def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, settings, auto_control):
+def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, settings, auto_control, rho):
     """Weights (n,) and the curves a, G_inc, sigma_I (n, CURVE_POINTS) in the real space."""
     scale = height / CELL_HEIGHT  # lambda_l, Eq. 15
     image_c = np.clip(curvature * scale, meta.curvature[0], meta.curvature[-1])
@@ -150,7 +158,8 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
         w = control.auto_weight(small, large)
     else:
         w = np.zeros(len(scale))
-    G = release[0] + w[:, None] * (release[1] + w[:, None] * release[2])
+    held = release[0]
+    G = supported(held + w[:, None] * (release[1] + w[:, None] * release[2]), held, rho)
 
     a_image = path_fractions(settings.linear_lengths) * meta.lengths[-1]
     if settings.linear_lengths:

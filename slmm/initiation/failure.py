@@ -41,6 +41,7 @@ class _Answer:
     curvature: np.ndarray
     height: np.ndarray
     weight: np.ndarray
+    support: np.ndarray
     misfit: np.ndarray
     a: np.ndarray
     G_inc: np.ndarray
@@ -48,19 +49,9 @@ class _Answer:
 
     @classmethod
     def empty(cls, n: int) -> _Answer:
-        nan = [np.full(n, np.nan) for _ in range(6)]
+        nan = [np.full(n, np.nan) for _ in range(7)]
         curves = [np.full((n, CURVE_POINTS), np.nan) for _ in range(3)]
-        return cls(
-            nan[0],
-            nan[1],
-            np.full(n, NONE),
-            np.full(n, "", dtype=object),
-            nan[2],
-            nan[3],
-            nan[4],
-            nan[5],
-            *curves,
-        )
+        return cls(nan[0], nan[1], np.full(n, NONE), np.full(n, "", dtype=object), *nan[2:], *curves)
 
 
 def failure_indices(
@@ -129,13 +120,13 @@ def failure_indices(
         answer = _by_full_fea(scene, where, average, progress)
     else:
         path = Path(database) if database is not None else shipped_database()
-        E, nu = scene.material.plane_stress_equivalent
+        _, nu = scene.material.plane_stress_equivalent
         meta = select_modes(load_meta_model(nu, path), settings.modes)
         voxels = _voxels(scene, where)
         progress(0.0, f"local model, {voxels} voxels")
         local = solve_local_model(_with_void(scene, settings), voxels)
         progress(0.6, f"{len(where.s)} positions")
-        answer = _by_cells(scene, where, local, meta, E, settings, method == "slmm+ac", average)
+        answer = _by_cells(scene, where, local, meta, settings, method == "slmm+ac", average)
         provenance |= {
             "settings": json.dumps(settings.describe()),
             "database": path.name,
@@ -169,7 +160,6 @@ def _by_cells(
     where: Positions,
     local: LocalModel,
     meta: MetaModel,
-    E: float,
     settings: Settings,
     auto_control: bool,
     average: bool,
@@ -182,7 +172,7 @@ def _by_cells(
         for rule in (settings.fine, settings.wide) if settings.fine != settings.wide else (settings.fine,):
             if len(left) == 0:
                 break
-            cells = cell_curves(outline, where.s[left], local, meta, E, settings, rule, auto_control)
+            cells = cell_curves(scene, outline, where.s[left], local, meta, settings, rule, auto_control)
             _judge(answer, left, cells, material.G_c, material.sigma_c, average)
             left = left[answer.status[left] != "ok"]
     return answer
@@ -200,7 +190,8 @@ def _judge(answer, index, cells, G_c, sigma_c, average):
         answer.load_factor[i], answer.crack_length[i], answer.governed_by[i] = lf, length, code
         answer.status[i] = "crack longer than the cell" if np.isnan(lf) else "ok"
         answer.curvature[i], answer.height[i] = cells.curvature[row], cells.height[row]
-        answer.weight[i], answer.misfit[i] = cells.weight[row], cells.misfit[row]
+        answer.weight[i], answer.support[i] = cells.weight[row], cells.support[row]
+        answer.misfit[i] = cells.misfit[row]
         answer.a[i], answer.G_inc[i], answer.sigma_I[i] = cells.a[row], cells.G_inc[row], cells.sigma_I[row]
 
 
@@ -278,6 +269,7 @@ _UNITS = {
     "status": ("1", "ok, or why there is no value"),
     "cell_height": ("mm", "height of the crack cell"),
     "control_weight": ("1", "weight of the relaxed boundary"),
+    "edge_support": ("1", "share of the held cell's stiffness that the plate's edges give"),
     "misfit": ("1", "part of the boundary displacement that the modes leave"),
     "irwin_length_limit": ("mm", "Irwin's length up to which the curves reach far enough"),
     "a": ("mm", "crack length, and distance from the notch"),
@@ -302,6 +294,7 @@ def _dataset(scene: Scene, where: Positions, answer: _Answer, curves: bool, prov
         "status": answer.status.astype(str),
         "cell_height": answer.height,
         "control_weight": answer.weight,
+        "edge_support": answer.support,
         "misfit": answer.misfit,
         "irwin_length_limit": _irwin_length_limit(scene, answer),
     }

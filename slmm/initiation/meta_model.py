@@ -99,8 +99,16 @@ class MetaModel:
         return CubicSpline(self.curvature, self.K0)
 
     @cached_property
-    def _compliance_spline(self) -> CubicSpline:
-        return CubicSpline(self.curvature, self.compliance)
+    def _compliance_splines(self) -> list[CubicSpline]:
+        # at c' = 0 the unbounded body changes from a hole to a bulge, with a kink
+        concave, convex = self.curvature <= 0, self.curvature >= 0
+        if min(concave.sum(), convex.sum()) < 2:
+            return [CubicSpline(self.curvature, self.compliance)] * 2
+        return [CubicSpline(self.curvature[side], self.compliance[side]) for side in (concave, convex)]
+
+    def _compliance(self, curvature: np.ndarray) -> np.ndarray:
+        concave, convex = (spline(curvature) for spline in self._compliance_splines)
+        return np.where((curvature <= 0)[:, None, None, None, None], concave, convex)
 
     @cached_property
     def _fine_Psi(self) -> tuple[np.ndarray, np.ndarray]:
@@ -167,7 +175,7 @@ class MetaModel:
         opening : ndarray (n, n_a)
             Mean crack opening over the length; where it is negative the crack is closed.
         """
-        C = self._compliance_spline(curvature)
+        C = self._compliance(curvature)
         normal, shear = stress[:, 0], stress[:, 2]
         p = np.einsum("ake,ne->nak", self._projection, normal)
         q = np.einsum("ake,ne->nak", self._projection, shear)
@@ -228,7 +236,9 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
     K, T = cells["K"].values, cells["stress"].values
     nearest = int(np.argmin(np.abs(stored - nu)))
     if abs(stored[nearest] - nu) < 1e-9:
-        K0, Psi, stress = K[:, nearest, 0], K[:, nearest, :1] - K[:, nearest, 1:], T[:, nearest]
+        K0, Psi, stress = _without_rigid(
+            K[:, nearest, 0], K[:, nearest, :1] - K[:, nearest, 1:], T[:, nearest]
+        )
     elif not (len(stored) > 3 and stored[0] <= nu <= stored[-1]):
         held = f"{stored[0]:g} to {stored[-1]:g}" if len(stored) > 3 else ", ".join(f"{v:g}" for v in stored)
         raise DatabaseError(
@@ -251,6 +261,23 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
     )
 
 
+def _without_rigid(K0, Psi, stress):
+    """Free rigid and repeated modes of the round-off that a large translation would amplify."""
+    Q = [_elastic(stiffness) for stiffness in K0]
+    project = np.array([q @ q.T for q in Q])
+    return (
+        project @ K0 @ project,
+        project[:, None] @ Psi @ project[:, None],
+        np.einsum("cmk,ckse->cmse", project, stress),
+    )
+
+
+def _elastic(K0: np.ndarray) -> np.ndarray:
+    """Orthonormal amplitudes (m, r) that deform the cell; rigid motions and repeated modes are left out."""
+    values, vectors = np.linalg.eigh(K0)
+    return vectors[:, values > RIGID * values[-1]]
+
+
 def _between(stored, K, T, nu):
     """Interpolate flexibility, path stress and released energy of given modal forces over atanh(nu)."""
     n_c, m = K.shape[0], K.shape[-1]
@@ -259,8 +286,9 @@ def _between(stored, K, T, nu):
     Psi = np.zeros((n_c, K.shape[2] - 1, m, m))
     stress = np.zeros((n_c, *T.shape[2:]))
     for i in range(n_c):
-        values, vectors = np.linalg.eigh(K[i, nearest_middle(stored), 0])
-        Q = vectors[:, values > RIGID * values[-1]]  # rigid motions and repeated modes are those of every nu
+        Q = _elastic(
+            K[i, nearest_middle(stored), 0]
+        )  # rigid motions and repeated modes are those of every nu
         flexibility = np.linalg.inv(np.einsum("mr,pmk,ks->prs", Q, K[i, :, 0], Q))
         loss = np.einsum("mr,pamk,ks->pars", Q, K[i, :, :1] - K[i, :, 1:], Q, optimize=True)
         released = flexibility[:, None] @ loss @ flexibility[:, None]

@@ -1,0 +1,114 @@
+"""What the plate's edges lend to a cell: held edges stiffen the crack's surroundings, free ones weaken them.
+
+A crack that opens pushes its surroundings like a pair of forces, and an edge at the distance d answers with a
+stiffness that falls with 1/d^2. A cell with held boundary is such a case with near edges; so the stiffness of the crack
+against opening, 1/G_inc, lies between that in an unbounded body and that in the held cell in the ratio of these
+sums:
+
+    1/G = (1 - rho)/G_unbounded + rho/G_held,   rho = sum_edges k/d^2 / sum_cell 1/d^2
+
+The factors k were measured once against full FEA (validation/edge_support.py); a free edge has k < 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from slmm.contours.outline import Outline
+from slmm.initiation.placement import CELL_HEIGHT, CELL_LENGTH
+from slmm.scene import Load, Scene
+
+#: k of an edge that the crack points at, and of one beside it, for what holds the edge
+FACTORS = {
+    "held": (0.8, 1.6),  # both displacements prescribed
+    "rolling": (0.0, 2.2),  # the normal one prescribed
+    "free": (-1.0, -1.0),
+    "loaded": (-1.0, -5.5),  # a given traction: the crack lets the part beyond it turn away
+}
+
+#: rho beyond which edges and other notches are too near for the estimate
+LIMIT = 0.7
+
+
+def edge_support(
+    scene: Scene, outline: Outline, s: np.ndarray, height: np.ndarray, curvature: np.ndarray
+) -> np.ndarray:
+    """Share rho (n,) of the held cell's stiffness that the plate's edges give; negative where they are free.
+
+    Parameters
+    ----------
+    scene : Scene
+        Plate, load and notches.
+    outline : Outline
+        The notch.
+    s : ndarray (n,)
+        Arc lengths of the positions, mm.
+    height, curvature : ndarray (n,)
+        Of the cells, mm and 1/mm; NaN where there is none.
+    """
+    scale = height / CELL_HEIGHT
+    front = scale * (CELL_LENGTH + curvature * scale)
+    of_cell = 1 / front**2 + 2 / scale**2
+    start, normal, tangent = outline.points(s), outline.normals(s), outline.tangents(s)
+    total = np.zeros(len(s))
+    for direction, beside in ((normal, 0), (tangent, 1), (-tangent, 1)):
+        distance, horizontal = _to_edge(start, direction, scene.plate.width, scene.plate.height)
+        # other notches on the way, or this one, keep the edge's answer away
+        seen = ~_blocked(scene.outlines, start, direction, distance)
+        k = np.where(
+            horizontal, FACTORS[_edge(scene.load, True)][beside], FACTORS[_edge(scene.load, False)][beside]
+        )
+        total += np.where(seen, k / distance**2, 0.0)
+    return np.clip(total / of_cell, -LIMIT, LIMIT)
+
+
+def _edge(load: Load, horizontal: bool) -> str:
+    """What holds the horizontal (top and bottom) or the vertical edges."""
+    if load.strain is not None:
+        return "held"
+    if not horizontal:
+        return "free"
+    return "rolling" if load.displacement is not None else "loaded"
+
+
+def _to_edge(
+    start: np.ndarray, direction: np.ndarray, width: float, height: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (n,) to the plate's edge, mm, and whether it is the top or bottom one."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = np.where(direction > 0, np.array([width, height]) - start, -start)
+        steps = np.where(direction == 0, np.inf, np.abs(far / direction))
+    return np.maximum(steps.min(axis=1), 1e-9 * width), steps[:, 1] < steps[:, 0]
+
+
+def _blocked(
+    outlines: Sequence[Outline], start: np.ndarray, direction: np.ndarray, distance: np.ndarray
+) -> np.ndarray:
+    """Whether a notch lies between the points and the edge."""
+    ends = np.stack(
+        [start + 0.02 * distance[:, None] * direction, start + distance[:, None] * direction], axis=1
+    )
+    rays = shapely.linestrings(ends)
+    blocked = np.zeros(len(start), dtype=bool)
+    for outline in outlines:
+        polygon = shapely.Polygon(outline.polygon(400))
+        shapely.prepare(polygon)
+        blocked |= shapely.intersects(polygon, rays)
+    return blocked
+
+
+def supported(unbounded: np.ndarray, held: np.ndarray, rho: np.ndarray) -> np.ndarray:
+    """G_inc (n, ...) of the supported crack from both bounds; the stiffnesses 1/G mix.
+
+    Examples
+    --------
+    >>> supported(np.array([[2.0]]), np.array([[1.0]]), np.array([0.5])).round(3)
+    array([[1.333]])
+    """
+    rho = rho.reshape(-1, *[1] * (unbounded.ndim - 1))
+    stiffness = held * (1 - rho) + unbounded * rho  # times both
+    usable = stiffness > 0
+    return np.where(usable, unbounded * held / np.where(usable, stiffness, 1.0), unbounded)
