@@ -23,7 +23,7 @@ class Fineness:
     """
 
     tip: float = 0.002
-    growth: float = 1.5
+    growth: float = 1.3
     coarsest: float = 0.08
 
 

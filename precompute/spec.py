@@ -17,6 +17,10 @@ from precompute.modes import Mode, complete_modes, published_modes
 POISSON_RANGE = (-0.9, 0.98)
 
 
+#: c' of Paper A, 1/mm
+PUBLISHED_CURVATURES = tuple(round(-1 + 0.1 * i, 10) for i in range(16))
+
+
 def poisson_nodes(n: int, low: float = POISSON_RANGE[0], high: float = POISSON_RANGE[1]) -> list[float]:
     """Chebyshev points in atanh(nu), half the logarithm of the ratio of bulk to shear stiffness.
 
@@ -41,8 +45,8 @@ class SweepSpec(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     title: str = "Crack cells for all Poisson's ratios"
-    #: c', 1/mm, ascending (Paper A, section 2.3.4)
-    curvature: tuple[float, ...] = tuple(round(-1 + 0.1 * i, 10) for i in range(16))
+    #: c', 1/mm, ascending: the 16 of Paper A, section 2.3.4, and four more that tame the spline at its ends
+    curvature: tuple[float, ...] = tuple(sorted([-0.975, -0.94, 0.44, 0.475, *PUBLISHED_CURVATURES]))
     #: effective Poisson's ratio: nu in plane stress, nu/(1 - nu) in plane strain
     poisson: tuple[float, ...] = tuple(poisson_nodes(13))
     #: a', mm, ascending, at most 1 mm; dense towards the surface
@@ -54,7 +58,7 @@ class SweepSpec(BaseModel):
     #: points of the path stress, Chebyshev-spaced over 0 <= eta' <= 1
     path_points: int = Field(default=17, ge=8, le=65)
     tip: float = Field(default=0.002, gt=0, le=0.1)
-    growth: float = Field(default=1.5, gt=1, le=4)
+    growth: float = Field(default=1.3, gt=1, le=4)
     coarsest: float = Field(default=0.08, gt=0, le=0.5)
 
     @field_validator("curvature", "poisson", "crack_length")

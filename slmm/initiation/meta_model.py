@@ -26,7 +26,7 @@ from slmm.cell_file import DatabaseError, read_cells
 RIGID = 1e-7
 
 #: tables between the stored curvatures, per interval; between these Psi is interpolated linearly
-REFINEMENT = 10
+REFINEMENT = 5
 
 
 def shipped_database() -> Path:
