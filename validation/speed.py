@@ -43,7 +43,7 @@ def per_position(counts: tuple[int, ...], repeats: int) -> list[dict[str, float]
     """Best wall and CPU time for each position in ms, over numbers of positions."""
     scene = gallery.circular_hole()
     outline, material = scene.outlines[0], scene.material
-    E, nu = material.plane_stress_equivalent
+    _, nu = material.plane_stress_equivalent
     meta = select_modes(load_meta_model(nu), DEFAULT.modes)
     local = solve_local_model(scene, 250_000)
     rows = []
@@ -52,7 +52,7 @@ def per_position(counts: tuple[int, ...], repeats: int) -> list[dict[str, float]
         wall, cpu = [], []
         for _ in range(repeats):
             w, c = time.perf_counter(), time.process_time()
-            cells = cell_curves(outline, s, local, meta, E, DEFAULT, DEFAULT.fine, True)
+            cells = cell_curves(scene, outline, s, local, meta, DEFAULT, DEFAULT.fine, True)
             strength = stress_over_crack(cells.a, cells.sigma_I, False)
             for a, G_inc, stress in zip(cells.a, cells.G_inc, strength, strict=True):
                 critical_load(a, G_inc, stress, material.G_c, material.sigma_c)
