@@ -124,7 +124,8 @@ def failure_indices(
         meta = select_modes(load_meta_model(nu, path), settings.modes)
         voxels = _voxels(scene, where)
         progress(0.0, f"local model, {voxels} voxels")
-        local = solve_local_model(_with_void(scene, settings), voxels)
+        void = settings.void_stiffness or scene.analysis.void_stiffness
+        local = solve_local_model(scene.with_(analysis={"void_stiffness": void}), voxels)
         progress(0.6, f"{len(where.s)} positions")
         answer = _by_cells(scene, where, local, meta, settings, method == "slmm+ac", average)
         provenance |= {
@@ -149,10 +150,6 @@ def _voxels(scene: Scene, where: Positions) -> int:
     area = scene.plate.width * scene.plate.height
     wanted = area * (VOXELS_PER_RADIUS * sharpest) ** 2
     return int(np.clip(wanted, FEWEST_VOXELS, MOST_VOXELS))
-
-
-def _with_void(scene: Scene, settings: Settings) -> Scene:
-    return scene if settings is not PUBLISHED else scene.with_(analysis={"void_stiffness": 0.01})
 
 
 def _by_cells(

@@ -33,6 +33,8 @@ class Settings:
         0 interpolates G_inc/a smoothly; n interpolates G_inc linearly between n equidistant lengths.
     height : float
         Fixes the cell's height, mm; 0 lets it grow.
+    void_stiffness : float
+        Stiffness of a hole's voxels as a share of the material's; 0 takes the scene's.
     """
 
     name: str
@@ -43,12 +45,13 @@ class Settings:
     relaxed: str
     linear_lengths: int = 0
     height: float = 0.0
+    void_stiffness: float = 0.0
 
     def describe(self) -> dict:
         """Plain values for provenance."""
         values = asdict(self)
         values["fine"], values["wide"] = self.fine._asdict(), self.wide._asdict()
-        return {key: v for key, v in values.items()}
+        return values
 
 
 def _smooth(deviation: float) -> Constraints:
@@ -77,7 +80,14 @@ _PAPER = Constraints(
 #: The package's own: cells so small that a parabola with the curvature at the mouth follows the outline.
 DEFAULT = Settings("default", "all", _smooth(0.005), _smooth(0.03), cell_voxels=10, relaxed="unbounded")
 
-#: Paper A's: the largest valid cell, five modes, force control as the upper bound, ten lengths.
+#: Paper A's: the largest valid cell, five modes, force control as the upper bound, ten lengths, voids of 1 %.
 PUBLISHED = Settings(
-    "published", "important", _PAPER, _PAPER, cell_voxels=10, relaxed="force", linear_lengths=10
+    "published",
+    "important",
+    _PAPER,
+    _PAPER,
+    cell_voxels=10,
+    relaxed="force",
+    linear_lengths=10,
+    void_stiffness=0.01,
 )
