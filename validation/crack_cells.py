@@ -332,12 +332,14 @@ def main() -> None:
             + [("stress on the path", *against(2e-3, max(float(r["stress error"]) for r in mesh)))],
         )
         off_grid = (
-            (-0.95, -0.25, 0.45) if quick else (-0.95, -0.85, -0.65, -0.45, -0.25, -0.05, 0.05, 0.25, 0.45)
+            (-0.955, -0.25, 0.42)
+            if quick
+            else (-0.99, -0.955, -0.92, -0.85, -0.65, -0.45, -0.25, -0.05, 0.05, 0.25, 0.42, 0.455, 0.49)
         )
         between = interpolation_study(off_grid, (0.35,) if quick else (-0.85, 0.2, 0.35, 0.49 / 0.51))
         save("interpolation", between)
         lines = []
-        ends = SPEC.curvature[1], SPEC.curvature[-2]
+        ends = -0.9, 0.4  # beyond them the database is denser
         for nu in sorted({float(r["nu"]) for r in between}):
             for place, outermost in (("inside", False), ("outermost intervals", True)):
                 rows = [

@@ -150,7 +150,8 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
     if auto_control:
         half_c = np.clip(small_curvature * scale / 2, meta.curvature[0], meta.curvature[-1])
         half_stress = meta.path_stress(half_c, small_modes)
-        _, half_release = _bounds(meta, half_c, small_modes, half_stress, settings, auto_control)
+        longest = slice(-1, None)
+        _, half_release = _bounds(meta, half_c, small_modes, half_stress, settings, auto_control, longest)
         # a_n of the small cell is half of that of the large one; G scales with the length
         a_n = meta.lengths[-1]
         small = 0.5 * half_release[..., -1]
@@ -183,14 +184,15 @@ def _at_length(meta, values, a):
     return CubicSpline(meta.lengths, values / meta.lengths, axis=1)(a) * a
 
 
-def _bounds(meta, curvature, modes, stress, settings, auto_control):
-    """Mean opening (n, n_a), and the coefficients of G' = q0 + q1 w + q2 w^2 (3, n, n_a)."""
-    upper, opening = meta.unbounded_release(curvature, stress)
-    Psi = meta.stiffness_loss(curvature)
-    held = control.displacement_controlled(Psi, modes, meta.lengths)
+def _bounds(meta, curvature, modes, stress, settings, auto_control, which=slice(None)):
+    """Mean opening (n, n_a), and the coefficients of G' = q0 + q1 w + q2 w^2 (3, n, n_a), for some lengths."""
+    lengths = meta.lengths[which]
+    upper, opening = (values[:, which] for values in meta.unbounded_release(curvature, stress))
+    Psi = meta.stiffness_loss(curvature, which)
+    held = control.displacement_controlled(Psi, modes, lengths)
     if not auto_control:
         return opening, np.stack([held, np.zeros_like(held), np.zeros_like(held)])
     if settings.relaxed == "unbounded":
         return opening, np.stack([held, upper - held, np.zeros_like(held)])
     released = control.force_controlled_modes(meta.stiffness(curvature), Psi, modes)
-    return opening, control.mixed_release(Psi, modes, released, meta.lengths)
+    return opening, control.mixed_release(Psi, modes, released, lengths)

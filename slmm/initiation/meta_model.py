@@ -25,9 +25,6 @@ from slmm.cell_file import DatabaseError, read_cells
 #: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes
 RIGID = 1e-7
 
-#: tables between the stored curvatures, per interval; between these Psi is interpolated linearly
-REFINEMENT = 5
-
 
 def shipped_database() -> Path:
     """The database that comes with the package: models/ in a checkout, slmm/models in a wheel."""
@@ -111,18 +108,8 @@ class MetaModel:
         return np.where((curvature <= 0)[:, None, None, None, None], concave, convex)
 
     @cached_property
-    def _fine_Psi(self) -> tuple[np.ndarray, np.ndarray]:
-        n = len(self.curvature)
-        fine = np.interp(np.arange((n - 1) * REFINEMENT + 1) / REFINEMENT, np.arange(n), self.curvature)
-        Psi = CubicSpline(self.curvature, self.Psi)(fine)
-        # symmetric and antisymmetric modes do not couple; one block at a time is cheaper
-        for block in (self.symmetric, ~self.symmetric):
-            which = np.ix_(np.flatnonzero(block), np.flatnonzero(block))
-            values, vectors = np.linalg.eigh(Psi[:, :, which[0], which[1]])
-            Psi[:, :, which[0], which[1]] = (
-                vectors * np.maximum(values, 0)[..., None, :]
-            ) @ vectors.swapaxes(-1, -2)
-        return fine, Psi
+    def _Psi_spline(self) -> CubicSpline:
+        return CubicSpline(self.curvature, self.Psi)
 
     @property
     def symmetric(self) -> np.ndarray:
@@ -138,12 +125,17 @@ class MetaModel:
         """Stiffness without a crack (n, m, m), N/mm."""
         return self._K0_spline(curvature)
 
-    def stiffness_loss(self, curvature: np.ndarray) -> np.ndarray:
-        """Psi (n, n_a, m, m), positive semi-definite, N/mm."""
-        fine, Psi = self._fine_Psi
-        i = np.clip(np.searchsorted(fine, curvature) - 1, 0, len(fine) - 2)
-        t = ((curvature - fine[i]) / (fine[i + 1] - fine[i]))[:, None, None, None]
-        return (1 - t) * Psi[i] + t * Psi[i + 1]
+    def stiffness_loss(self, curvature: np.ndarray, lengths: slice = slice(None)) -> np.ndarray:
+        """Psi (n, n_a, m, m) for some of the crack lengths, positive semi-definite, N/mm."""
+        Psi = self._Psi_spline(curvature)[:, lengths]
+        result = np.zeros_like(Psi)
+        # symmetric and antisymmetric modes do not couple; two small problems are cheaper than one
+        for block in (self.symmetric, ~self.symmetric):
+            which = np.flatnonzero(block)
+            values, vectors = np.linalg.eigh(Psi[:, :, which[:, None], which])
+            scaled = vectors * np.sqrt(np.maximum(values, 0))[..., None, :]
+            result[:, :, which[:, None], which] = scaled @ scaled.swapaxes(-1, -2)
+        return result
 
     @cached_property
     def _projection(self) -> np.ndarray:
