@@ -92,7 +92,7 @@ def sapora_plate(radius: float, **changes: Any) -> Scene:
 
 
 def lobes(center: tuple[float, float], radius: float, n: int = 360) -> list[list[float]]:
-    """Points (n, 2), mm, on r(theta) = radius (1 + 0.1 cos 3 theta + 0.12 cos(5 theta + 0.9))."""
+    """Points (n, 2), mm, on r(theta) = radius (1 + 0.1 cos 3 theta + 0.12 cos(5 theta + 0.5))."""
     theta = np.linspace(0.0, 2 * np.pi, n, endpoint=False)
     r = radius * (1 + 0.1 * np.cos(3 * theta) + 0.12 * np.cos(5 * theta + 0.5))
     points = np.column_stack([center[0] + r * np.cos(theta), center[1] + r * np.sin(theta)])

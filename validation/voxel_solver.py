@@ -13,7 +13,6 @@ import csv
 import json
 import math
 import os
-import resource
 import subprocess
 import sys
 import time
@@ -97,7 +96,7 @@ def measure(solver, n, load_name):
         else:
             u, row = measured(lambda: super_lu(A, b, tuned=solver.endswith("tuned")), repeats)
         row |= {"iterations": 0, "residual": float(np.linalg.norm(A @ u - b) / np.linalg.norm(b))}
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    peak = peak_memory()
     return {"solver": solver, "load": load_name, "n": n, "bytes_per_voxel": (peak - before) / n**2, **row}
 
 
@@ -119,6 +118,14 @@ def smoothed_aggregation(A, b, x, y):
     rigid[0::2, 2], rigid[1::2, 2] = -(y - SIDE / 2), x - SIDE / 2
     solver = smoothed_aggregation_solver(sp.bsr_matrix(A.tocsr(), blocksize=(2, 2)), B=rigid)
     return solver.solve(b, tol=1e-8, accel="cg", maxiter=300)
+
+
+def peak_memory():
+    """Largest memory of this program so far, bytes; ru_maxrss would start from that of the parent process."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith("VmHWM:"):
+            return int(line.split()[1]) * 1024
+    raise OSError("/proc/self/status has no VmHWM: peak memory is measured on Linux only")
 
 
 def in_own_process(solver, n, load_name="strain"):
