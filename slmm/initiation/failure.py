@@ -131,6 +131,7 @@ def failure_indices(
         provenance |= {
             "settings": json.dumps(settings.describe()),
             "database": path.name,
+            "database_checksum": meta.checksum,
             "voxels": local.nx * local.ny,
             "voxel_size": f"{local.hx:.6g} x {local.hy:.6g} mm",
             "solver_iterations": local.iterations,

@@ -59,6 +59,8 @@ class MetaModel:
         Compliance of the crack faces in an unbounded body over a'^2, for opening and sliding, 1/MPa.
     nu : float
         Effective Poisson's ratio.
+    checksum : str
+        Of the database, for provenance.
     """
 
     curvature: np.ndarray
@@ -70,6 +72,7 @@ class MetaModel:
     stress: np.ndarray
     compliance: np.ndarray
     nu: float
+    checksum: str = ""
 
     def select(self, keep: np.ndarray) -> MetaModel:
         """The meta-model with only some of the modes (indices or booleans), those along xi first."""
@@ -85,6 +88,7 @@ class MetaModel:
             self.stress[:, keep],
             self.compliance,
             self.nu,
+            self.checksum,
         )
 
     @cached_property
@@ -250,6 +254,7 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
         stress,
         cells["compliance"].values,
         nu,
+        str(cells.attrs.get("checksum", "")),
     )
 
 

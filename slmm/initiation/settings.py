@@ -50,7 +50,10 @@ class Settings:
     def describe(self) -> dict:
         """Plain values for provenance."""
         values = asdict(self)
-        values["fine"], values["wide"] = self.fine._asdict(), self.wide._asdict()
+        for rule in ("fine", "wide"):
+            # JSON knows no infinity: None is no limit
+            limits = getattr(self, rule)._asdict()
+            values[rule] = {name: None if np.isinf(limit) else limit for name, limit in limits.items()}
         return values
 
 
