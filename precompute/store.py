@@ -96,8 +96,8 @@ def assemble(spec: SweepSpec, folder: Path) -> xr.Dataset:
     return dataset
 
 
-def rounded(values: np.ndarray, bits: int = 30) -> np.ndarray:
-    """Values with ``bits`` bits of mantissa (30: 1e-9 relative); the rest is round-off, not compressible."""
+def rounded(values: np.ndarray, bits: int = 36) -> np.ndarray:
+    """Values with ``bits`` bits of mantissa (36: 1.5e-11 relative); the rest is round-off, not compressible."""
     mantissa, exponent = np.frexp(values)
     return np.ldexp(np.round(mantissa * 2.0**bits) / 2.0**bits, exponent)
 
