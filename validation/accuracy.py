@@ -236,7 +236,7 @@ def draw(rows: list[Row]) -> None:
         axis.axvline(0, color="k", lw=0.6)
         axis.set(title=title, xlabel="error against full FEA, %")
     axes[0].set_yticks(range(len(labels)), labels)
-    axes[0].legend(frameon=False)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     figure.savefig(RESULTS / "accuracy.png", dpi=150)
     plt.close(figure)
 
