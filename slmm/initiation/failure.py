@@ -167,7 +167,7 @@ def _by_cells(
     for k, outline in enumerate(scene.outlines):
         left = np.flatnonzero(where.hole == k)
         # a wide cell is only asked where the fine one has no answer
-        for rule in (settings.fine, settings.wide) if settings.fine != settings.wide else (settings.fine,):
+        for rule in dict.fromkeys((settings.fine, settings.wide)):
             if len(left) == 0:
                 break
             cells = cell_curves(scene, outline, where.s[left], local, meta, settings, rule, auto_control)

@@ -19,7 +19,6 @@ from slmm.material import Material
 
 SMALLEST_SIDE = 16  # voxels along each side of the plate, at least
 POINTS_PER_VOXEL = 8  # of an outline: its polygon then deviates from the curve by far less than a voxel
-VOID_STIFFNESS = 1e-6  # of the material's; the paper took 0.01
 
 
 class _Plate(Protocol):

@@ -21,6 +21,7 @@ from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import CubicSpline
 
 from slmm.cell_file import DatabaseError, read_cells
+from slmm.initiation.placement import CELL_LENGTH
 
 #: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes
 RIGID = 1e-7
@@ -228,6 +229,11 @@ def load_meta_model(nu: float, database: Path | str | None = None) -> MetaModel:
 
 def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "database") -> MetaModel:
     """Interpolate a database to one effective Poisson's ratio."""
+    depth = CELL_LENGTH + cells["curvature"].values
+    if not np.allclose(cells["right_edge"].values, depth):
+        raise DatabaseError(
+            f"{path}: its cells are not {CELL_LENGTH:g} mm long as the placed ones; make it anew"
+        )
     stored = cells["poisson"].values
     K, T = cells["K"].values, cells["stress"].values
     nearest = int(np.argmin(np.abs(stored - nu)))

@@ -7,7 +7,9 @@ sums:
 
     1/G = (1 - rho)/G_unbounded + rho/G_held,   rho = sum_edges k/d^2 / sum_cell 1/d^2
 
-The factors k were measured once against full FEA (validation/edge_support.py); a free edge has k < 0.
+The factors k were fitted to full FEA of holes with radii of 20 and 30 mm in a plate of 100 mm x 100 mm and tested on
+others (validation/edge_support.py); a free edge has k < 0. Where no crack starts in such a plate (one that points at
+the edge by which the plate is pulled) nothing was measured, and no correction is made.
 """
 
 from __future__ import annotations
@@ -24,9 +26,9 @@ from slmm.scene import Load, Scene
 #: k of an edge that the crack points at, and of one beside it, for what holds the edge
 FACTORS = {
     "held": (0.8, 1.6),  # both displacements prescribed
-    "rolling": (0.0, 2.2),  # the normal one prescribed
-    "free": (-1.0, -1.0),
-    "loaded": (-1.0, -5.5),  # a given traction: the crack lets the part beyond it turn away
+    "rolling": (0.0, 2.2),  # the normal one prescribed; 0: not measured
+    "free": (-1.0, 0.0),
+    "loaded": (0.0, -5.5),  # a given traction: the crack lets the part beyond it turn away
 }
 
 #: rho beyond which edges and other notches are too near for the estimate

@@ -115,6 +115,12 @@ def test_a_table_of_one_ratio_serves_that_ratio_only(cells):
         interpolate_poisson(single, nu + 0.05)
 
 
+def test_cells_of_another_length_are_refused(cells):
+    longer = cells.assign(right_edge=cells.right_edge + 0.5)
+    with pytest.raises(DatabaseError, match="2 mm long"):
+        interpolate_poisson(longer, 0.35)
+
+
 def test_polynomial_matrix_is_exact_for_polynomials():
     nodes = np.cos(np.pi * np.arange(9) / 8)[::-1] + 3
     at = np.linspace(2, 4, 20)
