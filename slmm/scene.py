@@ -26,20 +26,37 @@ from slmm.contours import shapes
 from slmm.contours.checks import crack_problems, hole_problems, position_problems
 from slmm.contours.image import outlines_in_picture
 from slmm.contours.outline import Outline
-from slmm.contours.points import point_problems, read_points
+from slmm.contours.points import point_problems, polygon_problems, read_points, without_repetition
 from slmm.material import MATERIALS, Material, State
 from slmm.scene_error import SceneError, problems_of
 
 Array = NDArray[np.float64]
-Method = Literal["rankine", "point", "line", "slmm", "slmm+ac", "full-fea", "auto"]
+Method = Literal[
+    "rankine",
+    "mises",
+    "point",
+    "line",
+    "slmm",
+    "slmm+ac",
+    "asymptotics",
+    "griffith",
+    "dislocations",
+    "full-fea",
+    "auto",
+]
 
 # Strict: a number in quotes, or true for 1, is a mistake and not a number. Coordinates have a bound so that
 # squares and products of them stay finite.
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinate = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Length = Annotated[Number, Field(gt=0, le=1e9)]
+Radius = Annotated[Number, Field(ge=0, le=1e9)]
 Count = Annotated[int, Field(strict=True)]
 PlanePoint = tuple[Coordinate, Coordinate]
+
+
+#: radius over the length of the outline down to which a spline through points can follow a rounded corner
+SHARPEST_OF_SPLINE = 7e-4
 
 
 def _as_lists(value: object) -> object:
@@ -99,7 +116,7 @@ class EllipseHole(Table):
 
 
 class RectangleHole(Table):
-    """Rectangular hole with round corners; mm, turned counter-clockwise by an angle in degrees."""
+    """Rectangular hole, its corners round or (radius 0) sharp; mm, turned counter-clockwise by degrees."""
 
     shape: Literal["rectangle"]
     center: PlanePoint
@@ -108,21 +125,80 @@ class RectangleHole(Table):
     angle: Number = 0.0
 
     @model_validator(mode="after")
-    def _corners_are_round(self) -> Self:
+    def _corners_fit(self) -> Self:
         half = min(self.size) / 2
-        if not 0 < self.corner_radius <= half:
+        if not 0 <= self.corner_radius <= half:
             raise ValueError(
-                f"corner_radius = {self.corner_radius:g}: must be greater than 0, because a sharp corner has"
-                f" no curvature, and at most half the smaller side, {half:g}"
+                f"corner_radius = {self.corner_radius:g}: must be at least 0, for sharp corners, and at most half"
+                f" the smaller side, {half:g}"
             )
         return self
 
     def outlines(self, plate: Plate) -> list[Outline]:
         """Its outline, as a list of one."""
+        if self.corner_radius < SHARPEST_OF_SPLINE * 2 * sum(self.size):
+            corners = shapes.rectangle_corners(self.center, self.size, self.angle)
+            return [Outline.of_pieces(shapes.polygon(corners, self.corner_radius))]
         points = shapes.rectangle(self.center, self.size, self.corner_radius, self.angle)
         # The curvature jumps where side and corner meet, and an interpolating spline would overshoot by 29 %;
         # this trace of smoothing leaves 5 % and moves the outline by 1e-4 radii.
         return [Outline.through(points, smoothing=1.6e-5 * self.corner_radius)]
+
+
+class PolygonHole(Table):
+    """Hole with straight sides between its corners (mm), which are sharp or rounded by tangent arcs."""
+
+    shape: Literal["polygon"]
+    points: Annotated[PlanePoints, Field(min_length=3)]
+    corner_radius: Radius = 0.0
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        corners = np.array(self.points, dtype=float)
+        problems = polygon_problems(corners)
+        if problems:
+            raise ValueError("; ".join(problems))
+        return [Outline.of_pieces(shapes.polygon(without_repetition(corners), self.corner_radius))]
+
+
+class VNotchHole(Table):
+    """V-notch with straight flanks and a sharp or round root; mm and degrees.
+
+    ``tip`` is where the notch's surface meets its bisector, ``direction`` where the notch points to from its mouth
+    (0 is along x), ``opening`` the angle between the flanks; 0 is a U-notch and needs a ``radius``. Without a
+    ``depth`` it runs out of the plate; with one it has a straight back side, at that distance from the tip.
+    """
+
+    shape: Literal["v-notch"]
+    tip: PlanePoint
+    direction: Number
+    opening: Annotated[Number, Field(ge=0, lt=180)]
+    radius: Radius = 0.0
+    depth: Length | None = None
+
+    @model_validator(mode="after")
+    def _has_a_width_and_flanks(self) -> Self:
+        if self.opening == 0 and self.radius == 0:
+            raise ValueError("opening = 0: a notch with parallel flanks needs a radius, half its width")
+        root = shapes.root_depth(self.opening, self.radius)
+        if self.depth is not None and self.depth <= root:
+            raise ValueError(
+                f"depth = {self.depth:g}: must be greater than {root:.6g}, where the flanks begin behind the root"
+            )
+        return self
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        depth = self._depth_beyond(plate) if self.depth is None else self.depth
+        return [Outline.of_pieces(shapes.v_notch(self.tip, self.direction, self.opening, self.radius, depth))]
+
+    def _depth_beyond(self, plate: Plate) -> float:
+        """Depth at which the whole back side lies outside the plate."""
+        angle = np.radians(self.direction)
+        corners = np.array([(x, y) for x in (0.0, plate.width) for y in (0.0, plate.height)])
+        farthest = float(np.max((np.array(self.tip) - corners) @ (np.cos(angle), np.sin(angle))))
+        margin = 0.05 * max(plate.width, plate.height)
+        return max(farthest, shapes.root_depth(self.opening, self.radius)) + margin
 
 
 class PointsHole(Table):
@@ -159,7 +235,8 @@ class ImageHole(Table):
 
 
 Hole = Annotated[
-    CircleHole | EllipseHole | RectangleHole | PointsHole | ImageHole, Field(discriminator="shape")
+    CircleHole | EllipseHole | RectangleHole | PolygonHole | VNotchHole | PointsHole | ImageHole,
+    Field(discriminator="shape"),
 ]
 
 
@@ -244,7 +321,9 @@ class Analysis(Table):
 
     ``points`` (mm), when given, take the place of ``positions`` equally spaced ones on every hole.
     ``void_stiffness`` is the stiffness of a hole's voxels as a share of the material's. ``settings`` are the
-    package's own or those that Paper A published.
+    package's own or those that Paper A published. ``average`` compares the mean stress over the crack with the
+    strength (thesis Eq. 3.21). ``tolerance`` is the relative error of the failure index that the method "auto"
+    aims at. ``local_model`` is what crack cells and strength criteria take the uncracked part's field from.
     """
 
     method: Method = "slmm+ac"
@@ -253,6 +332,9 @@ class Analysis(Table):
     voxels: Literal["auto"] | Count = "auto"
     void_stiffness: Annotated[Number, Field(ge=1e-9, le=0.1)] = 1e-6
     settings: Literal["default", "published"] = "default"
+    local_model: Literal["voxels", "body-fitted"] = "voxels"
+    average: Annotated[bool, Field(strict=True)] = False
+    tolerance: Annotated[Number, Field(ge=0.0005, le=0.5)] = 0.02
 
     @field_validator("voxels", mode="before")
     @classmethod
@@ -413,7 +495,15 @@ _EXCLUDES: dict[tuple[str, str], tuple[str, ...]] = {
     ("analysis", "points"): ("positions",),
 }
 
-_HOLES: tuple[type[Table], ...] = (CircleHole, EllipseHole, RectangleHole, PointsHole, ImageHole)
+_HOLES: dict[str, type[Table]] = {
+    "circle": CircleHole,
+    "ellipse": EllipseHole,
+    "rectangle": RectangleHole,
+    "polygon": PolygonHole,
+    "v-notch": VNotchHole,
+    "points": PointsHole,
+    "image": ImageHole,
+}
 _KNOWN_KEYS: dict[tuple[str, ...], list[str]] = {
     (): ["title", "plate", "holes", "cracks", "material", "load", "analysis"],
     ("plate",): list(Plate.model_fields),
@@ -421,10 +511,7 @@ _KNOWN_KEYS: dict[tuple[str, ...], list[str]] = {
     ("material",): list(MaterialTable.model_fields),
     ("load",): list(Load.model_fields),
     ("analysis",): list(Analysis.model_fields),
-    **{
-        ("holes", shape): list(hole.model_fields)
-        for hole, shape in zip(_HOLES, ("circle", "ellipse", "rectangle", "points", "image"), strict=True)
-    },
+    **{("holes", shape): list(hole.model_fields) for shape, hole in _HOLES.items()},
 }
 
 

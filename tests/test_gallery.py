@@ -56,6 +56,45 @@ def test_sapora_plate(radius):
     np.testing.assert_allclose(curvatures(scene), -1 / radius, rtol=1e-3)
 
 
+def test_square_hole_has_four_sharp_corners_and_straight_sides():
+    scene = gallery.square_hole()
+    (outline,) = scene.outlines
+    np.testing.assert_allclose(np.abs(outline.points(outline.corners) - 50.0), 15.0)
+    np.testing.assert_allclose(outline.corner_angles, np.pi / 2)
+    assert not curvatures(scene).any()
+
+
+@pytest.mark.parametrize("ligament", [0.5, 2.0, 10.0])
+def test_two_holes_leave_a_ligament_between_them_across_the_load(ligament):
+    left, right = gallery.two_holes(ligament).outlines
+    ((x_left, y_left), *_), ((x_right, y_right), *_) = left.points([0.0]), right.points([right.length / 2])
+    assert x_right - x_left == pytest.approx(ligament, rel=1e-5)
+    assert y_left == pytest.approx(50.0) == y_right
+    assert x_left + x_right == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize("opening", [30.0, 90.0, 150.0])
+@pytest.mark.parametrize("radius", [0.0, 0.05, 1.0])
+def test_v_notch_is_a_quarter_of_the_width_deep_and_points_across_the_load(opening, radius):
+    (outline,) = gallery.v_notch(opening, radius).outlines
+    s = outline.project([[10.0, 60.0]])
+    np.testing.assert_allclose(outline.points(s)[0], (10.0, 60.0), atol=1e-9)
+    np.testing.assert_allclose(outline.normals(s)[0], (1.0, 0.0), atol=1e-7)
+    assert outline.polygon(4000)[:, 0].max() == pytest.approx(10.0, abs=1e-6)
+    if radius:
+        assert outline.curvatures(s)[0] == pytest.approx(-1 / radius, rel=1e-4)
+    else:
+        assert np.degrees(outline.corner_angles[outline.corner_at(s)[0]]) == pytest.approx(opening)
+
+
+def test_edge_crack_runs_from_the_left_edge_across_the_load():
+    scene = gallery.edge_crack(7.0, load={"displacement": 0.1})
+    assert scene.outlines == () and scene.load.stress is None
+    assert scene.cracks[0].points == ((0.0, 60.0), (7.0, 60.0))
+    with pytest.raises(ValueError, match="its tip"):
+        gallery.edge_crack(40.0)
+
+
 @pytest.mark.parametrize(
     "make",
     [
@@ -64,6 +103,10 @@ def test_sapora_plate(radius):
         gallery.rounded_square,
         gallery.lobed_notch,
         lambda **changes: gallery.sapora_plate(1.0, **changes),
+        gallery.square_hole,
+        gallery.two_holes,
+        gallery.v_notch,
+        gallery.edge_crack,
     ],
 )
 def test_every_scene_can_be_changed(make):

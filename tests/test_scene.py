@@ -3,6 +3,9 @@ import pickle
 
 import numpy as np
 import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from PIL import Image
 
 from slmm.contours import shapes
@@ -12,6 +15,10 @@ from slmm.scene_error import SceneError
 CIRCLE = {"shape": "circle", "center": [50.0, 50.0], "radius": 20.0}
 ELLIPSE = {"shape": "ellipse", "center": [50.0, 50.0], "semi_axes": [20.0, 10.0]}
 RECTANGLE = {"shape": "rectangle", "center": [50.0, 50.0], "size": [30.0, 20.0], "corner_radius": 5.0}
+POLYGON = {"shape": "polygon", "points": [[40.0, 40.0], [60.0, 40.0], [60.0, 60.0]]}
+SQUARE = {"shape": "rectangle", "center": [50.0, 50.0], "size": [20.0, 20.0], "corner_radius": 0}
+DIAMOND = {"shape": "polygon", "points": [[60, 50], [50, 60], [40, 50], [50, 40]], "corner_radius": 2.0}
+V_NOTCH = {"shape": "v-notch", "tip": [10.0, 50.0], "direction": 0.0, "opening": 60.0}
 BASE = {
     "plate": {"width": 100.0, "height": 100.0},
     "holes": [CIRCLE],
@@ -67,8 +74,55 @@ REFUSED = [
     ({"holes": [{"center": [1, 2]}]}, r"^holes\[0\]\.shape: is missing; circle"),
     ({"holes": [{**RECTANGLE, "corner_radius": 11}]}, r"^holes\[0\]: corner_radius = 11: .*smaller side, 10"),
     (
-        {"holes": [{**RECTANGLE, "corner_radius": 0}]},
-        r"^holes\[0\]: corner_radius = 0: .*sharp corner has no curv",
+        {"holes": [{**RECTANGLE, "corner_radius": -1}]},
+        r"^holes\[0\]: corner_radius = -1: must be at least 0, for sharp corners",
+    ),
+    (
+        {"holes": [{**POLYGON, "points": [[1, 2], [3, 4]]}]},
+        r"^holes\[0\]\.points: has 2 entries; must have at l",
+    ),
+    (
+        {"holes": [{**POLYGON, "points": [[1, 2], [3, 4], [1, 2]]}]},
+        r"^holes\[0\]: has 2 different points: must have between 3 and 1,000 as corners",
+    ),
+    (
+        {"holes": [{**POLYGON, "points": [[40, 40], [60, 60], [60, 40], [40, 60]]}]},
+        r"^holes\[0\]: the outline crosses or touches itself: Self-intersection\[50 50\]",
+    ),
+    (
+        {"holes": [{**POLYGON, "points": [[1, 1], [1, 1], [2, 1], [2, 2]]}]},
+        r"^holes\[0\]: points 0 and 1 coincide",
+    ),
+    (
+        {"holes": [{**POLYGON, "points": [[1, 1], [2, 2], [3, 3]]}]},
+        r"^holes\[0\]: the outline crosses or touches",
+    ),
+    (
+        {"holes": [{**POLYGON, "corner_radius": 6}]},
+        r"^holes\[0\]: corner_radius = 6: does not fit between points .* must be at most 5.85786 there",
+    ),
+    ({"holes": [{**POLYGON, "corner_radius": -1}]}, r"^holes\[0\]\.corner_radius = -1: must be at least 0"),
+    ({"holes": [{**V_NOTCH, "opening": 180}]}, r"^holes\[0\]\.opening = 180: must be less than 180"),
+    ({"holes": [{**V_NOTCH, "opening": -1}]}, r"^holes\[0\]\.opening = -1: must be at least 0"),
+    ({"holes": [{**V_NOTCH, "opening": 0}]}, r"^holes\[0\]: opening = 0: .* needs a radius"),
+    (
+        {"holes": [{**V_NOTCH, "opening": 0.01}]},
+        r"^holes\[0\]: the outline turns back on itself at \(10, 50\)",
+    ),
+    (
+        {"holes": [{**V_NOTCH, "radius": 8.0, "depth": 4.0}]},
+        r"^holes\[0\]: depth = 4: must be greater than 4, where the flanks begin",
+    ),
+    ({"holes": [{**V_NOTCH, "tip": [110.0, 50.0]}]}, r"^holes: cut the plate into 2 pieces"),
+    ({"holes": [{**V_NOTCH, "tip": [-10.0, 50.0]}]}, r"^holes\[0\]: lies outside the plate"),
+    ({"holes": [{**V_NOTCH, "depth": 10.0}]}, r"^holes\[0\]: just touches the plate's edge"),
+    (
+        {"holes": [{**V_NOTCH, "deep": 10.0}]},
+        r"^holes\[0\]\.deep = 10.0: is not a known key; .* radius, depth$",
+    ),
+    (
+        {"holes": [{**RECTANGLE, "size": [30.0, 1e-4], "corner_radius": 0}]},
+        r"^holes\[0\]: is too small for the pl",
     ),
     (
         {"holes": [{**ELLIPSE, "semi_axes": [30.0, 0.2]}]},
@@ -114,6 +168,14 @@ REFUSED = [
     ),
     ({"cracks": [{"points": [[0, 50], [90, 50]]}]}, r"^cracks\[0\]: runs through a hole"),
     ({"cracks": [{"points": [[0, 50], [0, 50]]}]}, r"^cracks\[0\]: points 0 and 1 coincide"),
+    (
+        {"cracks": [{"points": [[30, 0], [0, 0], [10, 10]]}]},
+        r"^cracks\[0\]: runs through a hole or along an edge",
+    ),
+    (
+        {"holes": [POLYGON], "cracks": [{"points": [[40, 40], [60, 40], [70, 40]]}]},
+        r"^cracks\[0\]: runs through a hole or along an edge",
+    ),
     ({"cracks": [{"points": [[5, 50], [10, 50]]}]}, r"^cracks\[0\]: its first point \(5, 50\) lies inside"),
     ({"cracks": [{"points": [[0, 10], [20, 10], [10, 20], [10, 5]]}]}, r"^cracks\[0\]: crosses itself"),
     (
@@ -146,6 +208,10 @@ REFUSED = [
         r"^analysis\.points\[0\] = \[1, 200\]: must lie in or near the plate",
     ),
     ({"analysis": {"points": []}}, r"^analysis\.points: has 0 entries"),
+    ({"analysis": {"average": 1}}, r"^analysis\.average = 1: must be true or false"),
+    ({"analysis": {"tolerance": 0.6}}, r"^analysis\.tolerance = 0.6: must be at most 0.5"),
+    ({"analysis": {"tolerance": 1e-4}}, r"^analysis\.tolerance = 0.0001: must be at least 0.0005"),
+    ({"analysis": {"tolerances": 0.1}}, r"^analysis\.tolerances = 0.1: .*known here: .* average, tolerance$"),
     ({"analysis": {"void_stiffness": 1}}, r"^analysis\.void_stiffness = 1: must be at most 0.1"),
 ]
 
@@ -188,7 +254,7 @@ def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path):
         read_scene(tmp_path / "c.toml")
 
 
-@pytest.mark.parametrize("hole", [CIRCLE, ELLIPSE, RECTANGLE, outline_of(RING)["holes"][0]])
+@pytest.mark.parametrize("hole", [CIRCLE, ELLIPSE, RECTANGLE, SQUARE, DIAMOND, outline_of(RING)["holes"][0]])
 def test_every_shape_gives_one_outline(hole):
     (outline,) = Scene.from_dict(scene_with(holes=[hole])).outlines
     np.testing.assert_allclose(outline.polygon(400).mean(axis=0), (50, 50), atol=1e-3)
@@ -202,6 +268,108 @@ def test_a_notch_may_cut_the_edge_and_a_crack_may_start_at_the_edge_or_in_a_hole
         )
     )
     assert len(scene.outlines) == 2 and scene.cracks[0].points[-1] == (30.0, 52.0)
+
+
+def sharp_corners(**hole):
+    (outline,) = Scene.from_dict(scene_with(holes=[hole])).outlines
+    return outline.points(outline.corners), np.degrees(outline.corner_angles)
+
+
+def test_a_rectangle_without_corner_radius_has_four_right_angles():
+    corners, angles = sharp_corners(**RECTANGLE | {"corner_radius": 0, "angle": 90.0})
+    np.testing.assert_allclose(corners, [(40, 65), (40, 35), (60, 35), (60, 65)])
+    np.testing.assert_allclose(angles, 90.0)
+
+
+def test_a_rectangle_may_have_corners_too_sharp_for_a_spline_through_points():
+    for radius in (0.02, 1e-4):
+        (outline,) = Scene.from_dict(scene_with(holes=[{**RECTANGLE, "corner_radius": radius}])).outlines
+        assert len(outline.corners) == 0
+        assert outline.curvatures(outline.breaks).min() == pytest.approx(-1 / radius, rel=1e-4)
+
+
+def test_a_polygon_has_its_corners_in_their_order_and_may_repeat_the_first():
+    corners, angles = sharp_corners(**POLYGON)
+    np.testing.assert_allclose(corners, POLYGON["points"])
+    np.testing.assert_allclose(angles, [45.0, 90.0, 45.0])
+    closed = [*POLYGON["points"], POLYGON["points"][0]]
+    np.testing.assert_allclose(sharp_corners(**POLYGON | {"points": closed})[0], corners)
+    clockwise = POLYGON["points"][::-1]
+    np.testing.assert_allclose(
+        sharp_corners(**POLYGON | {"points": np.array(clockwise)})[0], np.roll(corners, 1, axis=0)
+    )
+
+
+@pytest.mark.parametrize("direction", [0.0, 37.0, 90.0, 180.0, 225.0, -75.0])
+@pytest.mark.parametrize(("opening", "radius"), [(0.0, 3.0), (20.0, 0.0), (60.0, 0.5), (120.0, 0.0)])
+def test_a_notch_without_depth_runs_out_of_the_plate_behind_its_tip(direction, opening, radius):
+    notch = {**V_NOTCH, "tip": [60.0, 45.0], "direction": direction, "opening": opening, "radius": radius}
+    scene = Scene.from_dict(scene_with(holes=[notch]))
+    (outline,) = scene.outlines
+    ahead = np.array([np.cos(np.radians(direction)), np.sin(np.radians(direction))])
+    depth = (np.array(notch["tip"]) - outline.polygon(2000)) @ ahead
+    assert depth.min() == pytest.approx(0.0, abs=1e-5)
+    plate = shapely.box(0, 0, 100, 100)
+    back = shapely.LineString(outline.points(outline.corners[[0, -1]]))
+    assert not back.intersects(plate)
+    if radius == 0:  # nothing else of the plate is missing than what lies between the endless flanks
+        flanks = np.radians(direction + 180 + np.array([-1, 1]) * opening / 2)
+        far = np.array(notch["tip"]) + 1e4 * np.column_stack([np.cos(flanks), np.sin(flanks)])
+        wedge = shapely.Polygon([notch["tip"], *far])
+        hole = shapely.Polygon(outline.polygon(2000))
+        assert hole.intersection(plate).area == pytest.approx(wedge.intersection(plate).area, rel=1e-9)
+
+
+def test_a_notch_with_depth_is_a_wedge_with_a_straight_back():
+    corners, angles = sharp_corners(**V_NOTCH | {"tip": [50.0, 50.0], "direction": 90.0, "depth": 10.0})
+    half = 10 * np.tan(np.radians(30))
+    np.testing.assert_allclose(corners, [(50 + half, 40), (50, 50), (50 - half, 40)])
+    np.testing.assert_allclose(angles, 60.0)
+
+
+def test_notches_may_cross_beyond_the_plate():
+    wide = {**V_NOTCH, "opening": 100.0}
+    scene = Scene.from_dict(scene_with(holes=[{**wide, "tip": [10.0, 37.0]}, {**wide, "tip": [10.0, 63.0]}]))
+    one, other = (shapely.Polygon(outline.polygon(100)) for outline in scene.outlines)
+    assert one.intersects(other)
+    with pytest.raises(SceneError, match="touch or cross"):
+        Scene.from_dict(scene_with(holes=[{**wide, "tip": [10.0, 40.0]}, {**wide, "tip": [10.0, 60.0]}]))
+
+
+@settings(max_examples=30)
+@given(
+    angle=st.floats(0, 360),
+    share=st.floats(0, 1),
+    length=st.floats(0.5, 20),
+    side=st.integers(0, 3),
+    turn=st.floats(-80, 80),
+)
+def test_a_crack_may_start_at_any_corner_and_anywhere_on_an_edge(angle, share, length, side, turn):
+    hole = {**RECTANGLE, "corner_radius": 0, "angle": angle}
+    (outline,) = Scene.from_dict(scene_with(holes=[hole])).outlines
+    start = outline.corners[side]
+    s = start + share * ((outline.corners[(side + 1) % 4] - start) % outline.length)
+    normal = outline.normals(s)
+    c, sine = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    direction = np.array([c * normal[0] - sine * normal[1], sine * normal[0] + c * normal[1]])
+    points = [outline.points(s), outline.points(s) + length * direction]
+    scene = Scene.from_dict(scene_with(holes=[hole], cracks=[{"points": np.array(points)}]))
+    assert scene.cracks[0].points[-1] == tuple(points[1])
+
+
+def test_cracks_may_start_at_the_tips_of_notches():
+    cracks = [{"points": [[10, 50], [20, 52]]}, {"points": [[40, 40], [30, 30]]}]
+    assert len(Scene.from_dict(scene_with(holes=[V_NOTCH, POLYGON], cracks=cracks)).cracks) == 2
+
+
+@pytest.mark.parametrize("method", ["mises", "asymptotics", "griffith", "dislocations", "auto"])
+def test_the_analysis_says_how_to_compute(method):
+    analysis = Scene.from_dict(
+        scene_with(analysis={"method": method, "average": True, "tolerance": 0.01})
+    ).analysis
+    assert (analysis.method, analysis.average, analysis.tolerance) == (method, True, 0.01)
+    default = Scene.from_dict(BASE).analysis
+    assert (default.average, default.tolerance) == (False, 0.02)
 
 
 def test_a_plate_needs_no_hole():

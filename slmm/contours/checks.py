@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString, MultiPolygon, Point, Polygon, box, unary_union
+from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, box, get_parts, unary_union
 from shapely.validation import explain_validity
 
 from slmm.contours.outline import Outline
@@ -33,7 +33,7 @@ def hole_problems(
     """
     plate = box(0.0, 0.0, width, height)
     tolerance = TOLERANCE * max(width, height)
-    inside = plate.buffer(-tolerance)
+    inside, around_plate = plate.buffer(-tolerance), plate.buffer(2 * tolerance)
     holes = [_polygon(outline) for outline in outlines]
     problems = [
         f"{name}: the outline crosses or touches itself: {explain_validity(hole)}"
@@ -43,24 +43,28 @@ def hole_problems(
     if problems:
         return problems  # the operations below need valid polygons
 
-    for name, hole in zip(names, holes, strict=True):
+    # what holes do beyond the plate is of no importance
+    near_plate = [hole.intersection(around_plate) for hole in holes]
+    for name, hole, near in zip(names, holes, near_plate, strict=True):
         left, bottom, right, top = hole.bounds
         extent = f"it spans x = {left:.6g} to {right:.6g}, y = {bottom:.6g} to {top:.6g}"
-        if max(right - left, top - bottom) <= tolerance:
+        mean_width = 2 * hole.area / hole.length
+        if max(right - left, top - bottom) <= tolerance or mean_width <= tolerance:
             problems.append(f"{name}: is too small for the plate; {extent}")
         elif hole.covers(plate):
             problems.append(f"{name}: covers the whole plate; {extent}")
         elif not hole.intersects(inside):
             problems.append(f"{name}: lies outside the plate (0 to {width:g}, 0 to {height:g}); {extent}")
-        elif min(abs(left), abs(bottom), abs(right - width), abs(top - height)) <= tolerance:
+        elif _touches_an_edge(near, width, height, tolerance):
             problems.append(
                 f"{name}: just touches the plate's edge, so no material is left there; {extent}."
                 " Move it away from the edge, or let a notch go on beyond it"
             )
-    for i, first in enumerate(holes):
+    reaching = [(name, near) for name, near in zip(names, near_plate, strict=True) if not near.is_empty]
+    for i, (name, first) in enumerate(reaching):
         around = box(*first.bounds).buffer(tolerance)
-        for j in range(i + 1, len(holes)):
-            second, pair = holes[j], f"{names[i]} and {names[j]}"
+        for other, second in reaching[i + 1 :]:
+            pair = f"{name} and {other}"
             if not around.intersects(box(*second.bounds)):
                 continue
             if first.contains(second) or second.contains(first):
@@ -109,7 +113,7 @@ def crack_problems(
                 f"{name}: its first point ({start.x:.6g}, {start.y:.6g}) lies inside the material;"
                 " a crack starts at the plate's edge or in a hole, only its last point is a tip"
             )
-        elif line.intersection(material).geom_type != "LineString":
+        elif _runs_along_an_edge_or_through_a_hole(line, material, tolerance):
             problems.append(f"{name}: runs through a hole or along an edge")
         else:
             lines.append((i, line))
@@ -118,6 +122,22 @@ def crack_problems(
             if first.distance(second) <= tolerance:
                 problems.append(f"cracks[{i}] and cracks[{j}]: touch or cross each other")
     return problems
+
+
+def _touches_an_edge(hole: Geometry, width: float, height: float, tolerance: float) -> bool:
+    """Whether what lies of a hole in and just around the plate ends at the plate's edge, not inside or beyond."""
+    left, bottom, right, top = hole.bounds
+    return bool(min(abs(left), abs(bottom), abs(right - width), abs(top - height)) <= tolerance)
+
+
+def _runs_along_an_edge_or_through_a_hole(line: LineString, material: Polygon, tolerance: float) -> bool:
+    # what a crack's first point misses the edge by, for rounding, is no part of its own
+    parts = get_parts(line.intersection(material))
+    if sum(part.length > tolerance for part in parts) != 1:
+        return True
+    # at its start the crack leaves the edge at some angle, of more than half a degree
+    beside = material.boundary.intersection(line.buffer(tolerance, cap_style="flat"))
+    return bool(beside.length > 200 * tolerance)
 
 
 def position_problems(points: Array, width: float, height: float) -> list[str]:
@@ -133,4 +153,5 @@ def position_problems(points: Array, width: float, height: float) -> list[str]:
 
 def _polygon(outline: Outline) -> Polygon:
     # four points per piece: a chord then stays within 3e-6 radii of the outline, below the tolerance
-    return Polygon(outline.polygon(4 * (len(outline.breaks) - 1)))
+    parts = outline.breaks[:-1, None] + np.diff(outline.breaks)[:, None] * np.arange(4) / 4
+    return Polygon(outline.points(parts.ravel()))

@@ -1,4 +1,4 @@
-"""Outlines given as points: reading them from a file, and what is wrong with them."""
+"""Outlines and polygons given as points: reading them from a file, and what is wrong with them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 
 MIN_POINTS = 8
 MAX_POINTS = 100_000
+MIN_CORNERS = 3
+#: of a polygon; more of them draw a smooth outline
+MAX_CORNERS = 1000
 #: a polygon that turns by more than this at one point does not describe a smooth outline
 MAX_TURN = 60.0
 
@@ -64,18 +67,44 @@ def _cells(line: str) -> list[str]:
 
 def point_problems(points: Array) -> list[str]:
     """What keeps the points (n, 2) from being a closed, smooth outline; empty when nothing does."""
+    problems = _ring_problems(points, MIN_POINTS, MAX_POINTS, "round the outline")
+    if problems:
+        return problems
+    points = without_repetition(points)
+    steps = np.roll(points, -1, axis=0) - points
+    direction = steps[:, 0] + 1j * steps[:, 1]
+    turn = np.abs(np.degrees(np.angle(direction / np.roll(direction, 1))))
+    sharpest = int(turn.argmax())
+    if turn[sharpest] > MAX_TURN:
+        x, y = points[sharpest]
+        return [
+            f"the outline turns by {turn[sharpest]:.0f} degrees at point {sharpest}, ({x:.6g}, {y:.6g}):"
+            f" a corner has no curvature; round it, with at most {MAX_TURN:.0f} degrees at each point,"
+            ' or draw straight sides between corners with shape = "polygon"'
+        ]
+    return []
+
+
+def polygon_problems(points: Array) -> list[str]:
+    """What keeps the points (n, 2) from being the corners of a polygon; empty when nothing does."""
+    return _ring_problems(points, MIN_CORNERS, MAX_CORNERS, "as corners of a polygon")
+
+
+def without_repetition(points: Array) -> Array:
+    """The points (n, 2) without the last one when that is the first again."""
+    return points[:-1] if len(points) > 1 and np.array_equal(points[0], points[-1]) else points
+
+
+def _ring_problems(points: Array, fewest: int, most: int, where: str) -> list[str]:
+    """What keeps the points (n, 2) from going round once."""
     if not np.isfinite(points).all():
         return [f"point {int(np.argmin(np.isfinite(points).all(axis=1)))} is not finite"]
-    if len(points) > 1 and np.array_equal(points[0], points[-1]):
-        points = points[:-1]
+    points = without_repetition(points)
     n = len(points)
-    if not MIN_POINTS <= n <= MAX_POINTS:
-        return [
-            f"has {n} different points: must have between {MIN_POINTS} and {MAX_POINTS:,} round the outline"
-        ]
+    if not fewest <= n <= most:
+        return [f"has {n} different points: must have between {fewest} and {most:,} {where}"]
 
-    steps = np.roll(points, -1, axis=0) - points
-    chords = np.linalg.norm(steps, axis=1)
+    chords = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     size = float(np.ptp(points, axis=0).max())
     coincident = np.flatnonzero(chords <= 1e-9 * size)
     if len(coincident):
@@ -86,14 +115,4 @@ def point_problems(points: Array) -> list[str]:
     polygon = Polygon(points)
     if not polygon.is_valid:
         return [f"the outline crosses or touches itself: {explain_validity(polygon)}"]
-
-    direction = steps[:, 0] + 1j * steps[:, 1]
-    turn = np.abs(np.degrees(np.angle(direction / np.roll(direction, 1))))
-    sharpest = int(turn.argmax())
-    if turn[sharpest] > MAX_TURN:
-        x, y = points[sharpest]
-        return [
-            f"the outline turns by {turn[sharpest]:.0f} degrees at point {sharpest}, ({x:.6g}, {y:.6g}):"
-            f" a corner has no curvature; round it, with at most {MAX_TURN:.0f} degrees at each point"
-        ]
     return []

@@ -1,4 +1,4 @@
-"""Where on the outlines a crack is looked for."""
+"""Where a crack is looked for: on the outlines, at their corners and at the tips of the cracks that are there."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from slmm.contours.checks import TOLERANCE
 from slmm.contours.outline import Outline
 from slmm.scene import Scene
 
@@ -14,25 +15,37 @@ SAMPLES = 4000
 
 
 class Positions(NamedTuple):
-    """Positions on the notches.
+    """Positions on the notches and at crack tips.
 
     Attributes
     ----------
     hole : ndarray (n,) of int
-        Index into ``scene.outlines``.
+        Index into ``scene.outlines``; -1 at a crack tip.
     s : ndarray (n,)
-        Arc length on that outline, mm.
+        Arc length on that outline, mm; NaN at a crack tip.
     points : ndarray (n, 2)
         Coordinates, mm.
+    crack : ndarray (n,) of int
+        Index into ``scene.cracks`` at a crack tip; -1 on the notches.
+    corner : ndarray (n,)
+        Opening angle at a sharp corner, rad; 0 at a crack tip, NaN where the outline is smooth.
     """
 
     hole: np.ndarray
     s: np.ndarray
     points: np.ndarray
+    crack: np.ndarray
+    corner: np.ndarray
 
 
 def find_positions(scene: Scene, positions: int | None = None) -> Positions:
-    """Equally spaced positions on every outline, or the scene's explicit points projected to the nearest one.
+    """Positions along every outline, at its corners, and at the crack tips; or the scene's explicit points.
+
+    On every outline they are equally spaced, and each corner inside the plate whose opening angle is less than pi
+    is one more, in order of arc length. The tips of the cracks follow after all outlines.
+
+    The scene's explicit points keep their order. Each one goes to the crack tip or corner that it is (within
+    1e-5 of the plate's longer side), and else to the nearest point of an outline.
 
     Parameters
     ----------
@@ -43,35 +56,103 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
     Raises
     ------
     ValueError
-        When the scene has no hole.
+        When the scene has neither hole nor crack, or an explicit point is no tip in a scene without holes.
+
+    Examples
+    --------
+    >>> from slmm.gallery import square_hole
+    >>> where = find_positions(square_hole(), 2)
+    >>> where.s.round(6).tolist(), np.degrees(where.corner).round(6).tolist()
+    ([0.0, 30.0, 60.0, 90.0], [90.0, 90.0, 90.0, 90.0])
     """
-    outlines = scene.outlines
-    if not outlines:
-        raise ValueError("holes: the scene has none; a crack is looked for at a hole or notch")
-    points = scene.analysis.points
-    if positions is None and points is not None:
-        wanted = np.asarray(points, dtype=float).reshape(-1, 2)
-        s = np.stack([outline.project(wanted) for outline in outlines])
-        at = np.stack([outline.points(row) for outline, row in zip(outlines, s, strict=True)])
-        hole = np.argmin(np.linalg.norm(at - wanted, axis=-1), axis=0)
-        index = np.arange(len(wanted))
-        return Positions(hole, s[hole, index], at[hole, index])
+    if not scene.outlines and not scene.cracks:
+        raise ValueError(
+            "holes: the scene has none, and no cracks; a crack is looked for at a hole, notch or crack tip"
+        )
+    tolerance = TOLERANCE * max(scene.plate.width, scene.plate.height)
+    if positions is None and scene.analysis.points is not None:
+        return _explicit(scene, np.asarray(scene.analysis.points, dtype=float), tolerance)
     count = scene.analysis.positions if positions is None else positions
     if count < 1:
         raise ValueError(f"positions = {count}: must be at least 1")
-    s_of = [_spread(outline, count, scene.plate.width, scene.plate.height) for outline in outlines]
-    hole = np.repeat(np.arange(len(outlines)), [len(s) for s in s_of])
-    s = np.concatenate(s_of)
-    at = np.concatenate([outline.points(row) for outline, row in zip(outlines, s_of, strict=True)])
-    return Positions(hole, s, at)
+    s_of = [
+        _with_corners(scene, outline, _spread(scene, outline, count), tolerance) for outline in scene.outlines
+    ]
+    tips = _tips(scene)
+    hole = np.repeat(np.arange(len(s_of)), [len(s) for s in s_of])
+    return _positions(
+        scene,
+        np.concatenate([hole, np.full(len(tips), -1)]),
+        np.concatenate([*s_of, np.full(len(tips), np.nan)]),
+        np.concatenate([np.full(len(hole), -1), np.arange(len(tips))]),
+    )
 
 
-def _spread(outline: Outline, count: int, width: float, height: float) -> np.ndarray:
+def _explicit(scene: Scene, wanted: np.ndarray, tolerance: float) -> Positions:
+    """The explicit points (n, 2), each at the crack tip or on the outline where it belongs."""
+    n = len(wanted)
+    hole, s, crack = np.full(n, -1), np.full(n, np.nan), np.full(n, -1)
+    nearest = np.full(n, np.inf)
+    for k, outline in enumerate(scene.outlines):
+        on_k = outline.project(wanted)
+        distance = np.linalg.norm(outline.points(on_k) - wanted, axis=1)
+        nearer = distance < nearest
+        on_k = _to_corners(outline, on_k, tolerance)
+        hole[nearer], s[nearer], nearest[nearer] = k, on_k[nearer], distance[nearer]
+    for i, tip in enumerate(_tips(scene)):
+        at = np.linalg.norm(wanted - tip, axis=1) <= tolerance
+        hole[at], s[at], crack[at] = -1, np.nan, i
+    lost = np.flatnonzero((hole < 0) & (crack < 0))
+    if len(lost):
+        x, y = wanted[lost[0]]
+        raise ValueError(
+            f"analysis.points[{lost[0]}] = [{x:g}, {y:g}]: the scene has no hole, so it must be a crack tip"
+        )
+    return _positions(scene, hole, s, crack)
+
+
+def _positions(scene: Scene, hole: np.ndarray, s: np.ndarray, crack: np.ndarray) -> Positions:
+    """Positions with their coordinates and opening angles."""
+    points, corner = np.empty((len(s), 2)), np.full(len(s), np.nan)
+    for k, outline in enumerate(scene.outlines):
+        on_k = hole == k
+        points[on_k] = outline.points(s[on_k])
+        index = outline.corner_at(s[on_k])
+        corner[on_k] = np.append(outline.corner_angles, np.nan)[index]  # -1, no corner, is the last one
+    at_tip = crack >= 0
+    points[at_tip], corner[at_tip] = _tips(scene)[crack[at_tip]], 0.0
+    return Positions(hole, s, points, crack, corner)
+
+
+def _tips(scene: Scene) -> np.ndarray:
+    """Tips (n, 2) of the cracks, mm."""
+    return np.array([crack.points[-1] for crack in scene.cracks], dtype=float).reshape(-1, 2)
+
+
+def _spread(scene: Scene, outline: Outline, count: int) -> np.ndarray:
     """Arc lengths equally spaced over the part of the outline that lies within the plate."""
     s = (np.arange(SAMPLES) + 0.5) * outline.length / SAMPLES
-    x, y = outline.points(s).T
-    inside = (x > 0) & (x < width) & (y > 0) & (y < height)
+    inside = _inside(scene, outline.points(s), 0.0)
     if inside.all():
         return np.arange(count) * outline.length / count
     within = s[inside]
     return within[((np.arange(count) + 0.5) * len(within) / count).astype(int)]
+
+
+def _with_corners(scene: Scene, outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray:
+    """The arc lengths with those of the corners inside the plate that open towards the hole, ascending."""
+    wanted = (outline.corner_angles < np.pi) & _inside(scene, outline.points(outline.corners), tolerance)
+    s = _to_corners(outline, s, tolerance)
+    return np.sort(np.concatenate([s, np.setdiff1d(outline.corners[wanted], s)]))
+
+
+def _to_corners(outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray:
+    """The arc lengths, those next to a corner (mm) replaced by the corner's."""
+    index = outline.corner_at(s, tolerance)
+    return np.where(index >= 0, np.append(outline.corners, np.nan)[index], s)
+
+
+def _inside(scene: Scene, points: np.ndarray, margin: float) -> np.ndarray:
+    """Whether points (n, 2) lie within the plate, farther than a margin (mm) from its edges."""
+    (x, y), width, height = points.T, scene.plate.width, scene.plate.height
+    return (x > margin) & (x < width - margin) & (y > margin) & (y < height - margin)
