@@ -1,0 +1,524 @@
+"""Matched asymptotics: crack initiation at sharp and rounded V-notches (Leguillon; thesis section 3.3.4.3).
+
+Around the tip of a V-notch the part is described by its generalised stress intensities k_1 and k_2 alone
+(`generalised_intensity` finds them in a displacement field). Energy and stress of a crack on the bisector are then
+known: in closed form at a sharp notch (thesis Eq. 3.22, 3.23), from a table at a rounded one whose root radius is
+small in the part. Young's modulus and Poisson's ratio are those of plane stress, or their equivalents in plane strain
+(`Material.plane_stress_equivalent`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from slmm.cell_file import DatabaseError, checksum
+from slmm.initiation.williams import (
+    decaying_fields,
+    half_angle,
+    release_coefficient,
+    singular_exponent,
+    williams_fields,
+)
+from slmm.material import Material
+
+#: version of the layout below; a table of another one is refused
+SCHEMA = 1
+
+#: variables of the table of rounded notches and their dimensions
+LAYOUT: dict[str, tuple[str, ...]] = {
+    "release": ("opening", "length"),
+    "stress": ("opening", "component", "length"),
+    "sharp_release": ("opening", "mode"),
+}
+
+#: lengths are interpolated over ln(1 + length/BEND)
+BEND = 0.1
+
+
+def shipped_table() -> Path:
+    """The table that comes with the package: models/ in a checkout, slmm/models in a wheel."""
+    package = Path(__file__).resolve().parents[1]
+    for folder in (package / "models", package.parent / "models"):
+        if (folder / "v_notches.nc").is_file():
+            return folder / "v_notches.nc"
+    raise DatabaseError(f"no v_notches.nc in {package / 'models'} or {package.parent / 'models'}")
+
+
+@dataclass(frozen=True)
+class VNotchTable:
+    """Rounded V-notches under k_1, computed by `precompute.v_notch`.
+
+    The unit of length is the half width of the root, l = radius cos(opening/2).
+
+    Attributes
+    ----------
+    opening : ndarray (n_o,)
+        Stored opening angles, from 0 to pi, radians.
+    length : ndarray (n_l,)
+        Crack lengths and distances from the root over l, from 0.
+    log_release : ndarray (n_o, n_l)
+        Logarithm of E' G_inc/(k_1^2 l^(2 lambda - 1)) over the length.
+    stress : ndarray (n_o, 2, n_l)
+        Stress across the bisector and along it over k_1 l^(lambda - 1).
+    checksum : str
+        Of the file, for provenance.
+    """
+
+    opening: np.ndarray
+    length: np.ndarray
+    log_release: np.ndarray
+    stress: np.ndarray
+    checksum: str = ""
+
+    @cached_property
+    def _release_spline(self) -> CubicSpline:
+        return CubicSpline(self.opening, self.log_release)
+
+    @cached_property
+    def _stress_spline(self) -> CubicSpline:
+        decrease = [self._decrease(self.length, singular_exponent(opening)) for opening in self.opening]
+        return CubicSpline(self.opening, self.stress / np.array(decrease)[:, None])
+
+    @staticmethod
+    def _decrease(length: np.ndarray, exponent: float) -> np.ndarray:
+        """How the stress falls far away, finite at the root; what is left interpolates well."""
+        return (1 + length) ** (exponent - 1)
+
+    def release(self, opening: float, length: np.ndarray) -> np.ndarray:
+        """E' G_inc/(k_1^2 l^(2 lambda - 1)) for crack lengths over l, shape of ``length``.
+
+        Beyond the longest stored length it approaches the sharp notch in proportion to 1/length.
+        """
+        sharp = release_coefficient(opening)
+        exponent = 2 * singular_exponent(opening) - 1
+        last = self.length[-1]
+        curve = CubicSpline(np.log1p(self.length / BEND), self._release_spline(opening))
+        inside = np.minimum(length, last)
+        excess = np.exp(curve(math.log1p(last / BEND))) * last / (sharp * last**exponent) - 1
+        beyond = np.maximum(length, last)
+        return np.where(
+            length > last,
+            sharp * beyond**exponent * (1 + excess * last / beyond),
+            np.exp(curve(np.log1p(inside / BEND))) * inside,
+        )
+
+    def bisector_stress(self, opening: float, length: np.ndarray) -> np.ndarray:
+        """Stress across the bisector and along it over k_1 l^(lambda - 1), shape (2, ...).
+
+        Beyond the largest stored distance it approaches the sharp notch in proportion to 1/length.
+        """
+        exponent = singular_exponent(opening)
+        field = williams_fields(opening, True, 1)[0]
+        sharp = field.stress(np.array(1.0), np.array(0.0))[[1, 0]]
+        last = self.length[-1]
+        curve = CubicSpline(np.log1p(self.length / BEND), self._stress_spline(opening), axis=-1)
+        inside = np.minimum(length, last)
+        excess = (
+            curve(math.log1p(last / BEND)) * self._decrease(last, exponent) / last ** (exponent - 1) - sharp
+        )
+        beyond = np.maximum(length, last)
+        return np.where(
+            length > last,
+            beyond ** (exponent - 1) * (sharp[:, None] + excess[:, None] * last / beyond),
+            curve(np.log1p(inside / BEND)) * self._decrease(inside, exponent),
+        )
+
+
+def read_v_notches(path: Path | str) -> VNotchTable:
+    """Read a table of rounded notches and verify it.
+
+    Raises
+    ------
+    DatabaseError
+        When the file is missing, truncated, altered, or of another schema.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise DatabaseError(f"{path}: no such file; `python -m precompute.v_notch -o {path}` makes it")
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as opened:
+            dataset = opened.load()
+    except Exception as error:  # HDF5 meets a damaged file with any of them
+        raise DatabaseError(f"{path}: truncated or not a netCDF file ({error})") from error
+    schema = dataset.attrs.get("schema", "none")
+    if not np.array_equal(schema, SCHEMA):
+        raise DatabaseError(
+            f"{path}: schema {schema}, this version reads schema {SCHEMA}; "
+            f"make it anew with `python -m precompute.v_notch -o {path}`"
+        )
+    for name, dims in LAYOUT.items():
+        if name not in dataset.variables or dataset[name].dims != dims:
+            raise DatabaseError(f"{path}: variable {name} with dimensions {dims} is missing")
+    found = checksum(dataset)
+    if dataset.attrs.get("checksum") != found:
+        raise DatabaseError(f"{path}: the contents do not match their checksum, the file has been altered")
+    return VNotchTable(
+        dataset["opening"].values,
+        dataset["length"].values,
+        np.log(dataset["release"].values),
+        dataset["stress"].values,
+        found,
+    )
+
+
+@lru_cache(maxsize=4)
+def _v_notches(path: Path, _modified: float) -> VNotchTable:
+    return read_v_notches(path)
+
+
+def load_v_notches(path: Path | str | None = None) -> VNotchTable:
+    """The shipped table of rounded notches or another one, read once.
+
+    Raises
+    ------
+    DatabaseError
+        When the file cannot be used.
+    """
+    path = Path(path) if path is not None else shipped_table()
+    if not path.is_file():
+        return read_v_notches(path)  # says what is wrong
+    return _v_notches(path.resolve(), path.stat().st_mtime)
+
+
+class GeneralisedIntensity(NamedTuple):
+    """Generalised stress intensities of a notch, with what is known of their error.
+
+    Attributes
+    ----------
+    k_1, k_2 : float
+        sigma_theta_theta = k_1 r^(lambda_1 - 1), sigma_r_theta = k_2 r^(lambda_2 - 1) on the bisector,
+        MPa mm^(1 - lambda). For a crack k = K/sqrt(2 pi).
+    misfit : float
+        Root mean square of what the series leaves of the displacements, over that of the displacements without
+        their rigid motion.
+    error_1, error_2 : float
+        Largest change of k_1 and k_2 with one term less of either kind, and with the outer half of the annulus.
+    """
+
+    k_1: float
+    k_2: float
+    misfit: float
+    error_1: float
+    error_2: float
+
+
+def generalised_intensity(
+    displacement: Callable[[np.ndarray], np.ndarray],
+    tip: ArrayLike,
+    direction: ArrayLike,
+    opening: float,
+    E: float,
+    nu: float,
+    inner: float,
+    outer: float,
+    terms: int = 4,
+    decaying: int = 2,
+    off_flanks: float = 0.05,
+    rings: int = 12,
+    rays: int = 48,
+) -> GeneralisedIntensity:
+    """Fit Williams' series to displacements on an annulus around the tip.
+
+    Least squares over a rigid motion and the first terms of either symmetry, those with complex exponents included.
+
+    Parameters
+    ----------
+    displacement : callable
+        From points (n, 2), mm, to displacements (n, 2), mm.
+    tip : array_like (2,)
+        Where the flanks meet, mm.
+    direction : array_like (2,)
+        Bisector, from the tip into the material; its length does not matter.
+    opening : float
+        Opening angle of the notch, radians.
+    E, nu : float
+        Plane stress equivalents, E in MPa.
+    inner, outer : float
+        Radii of the annulus, mm; it must not reach other boundaries.
+    terms : int
+        Exponents of either symmetry, at least 2.
+    off_flanks : float
+        Angle between the outermost points and the flanks, radians.
+    rings, rays : int
+        Number of radii and of directions.
+
+    Returns
+    -------
+    GeneralisedIntensity
+
+    Raises
+    ------
+    ValueError
+        When the annulus, the direction or the number of points is impossible, or the displacements are not finite.
+
+    Examples
+    --------
+    The edge of a strip in tension, sigma = E = 1, is a notch with an opening of 180 degrees.
+
+    >>> strip = lambda x: np.stack([-0.3 * x[:, 0], x[:, 1]], axis=1)
+    >>> k = generalised_intensity(strip, (0, 0), (1, 0), np.pi, E=1.0, nu=0.3, inner=0.5, outer=1.0)
+    >>> round(k.k_1, 6), bool(k.misfit < 1e-9)
+    (1.0, True)
+    """
+    if not 0 < inner < outer:
+        raise ValueError(f"inner = {inner!r}, outer = {outer!r}: must be radii with 0 < inner < outer")
+    if terms < 2:
+        raise ValueError(f"terms = {terms!r}: at least 2, the error is judged with one less")
+    bisector = np.asarray(direction, dtype=float)
+    if not np.linalg.norm(bisector) > 0:
+        raise ValueError(f"direction = {direction!r}: must point from the tip into the material")
+    axes = np.array([bisector, [-bisector[1], bisector[0]]]) / np.linalg.norm(bisector)
+    widest = half_angle(opening) - off_flanks
+    r = np.repeat(np.linspace(inner, outer, rings), rays)
+    theta = np.tile(np.linspace(-widest, widest, rays), rings)
+    local = np.stack([r * np.cos(theta), r * np.sin(theta)], axis=1)
+    u = np.asarray(displacement(np.asarray(tip, dtype=float) + local @ axes), dtype=float)
+    if u.shape != local.shape:
+        raise ValueError(f"displacement gives shape {u.shape} for points of shape {local.shape}")
+    if not np.isfinite(u).all():
+        first = int(np.argmin(np.isfinite(u).all(axis=1)))
+        raise ValueError(
+            f"displacement is not finite {r[first]:.4g} mm from the tip, at {theta[first]:.3g} rad"
+        )
+    u = u @ axes.T
+    half = r >= 0.5 * (inner + outer) - 1e-9 * outer
+    k_1, k_2, misfit = fit_series(r, theta, u, opening, E, nu, terms, decaying)
+    others = [
+        fit_series(r, theta, u, opening, E, nu, terms - 1, decaying)[:2],
+        fit_series(r, theta, u, opening, E, nu, terms, max(decaying - 1, 0))[:2],
+        fit_series(r[half], theta[half], u[half], opening, E, nu, terms, decaying)[:2],
+    ]
+    error_1, error_2 = np.abs(np.array(others) - [k_1, k_2]).max(axis=0)
+    return GeneralisedIntensity(k_1, k_2, misfit, float(error_1), float(error_2))
+
+
+def fit_series(
+    r: np.ndarray,
+    theta: np.ndarray,
+    u: np.ndarray,
+    opening: float,
+    E: float,
+    nu: float,
+    terms: int,
+    decaying: int,
+) -> tuple[float, float, float]:
+    """k_1, k_2 and relative misfit from displacements (n, 2) along and across the bisector at (r, theta)."""
+    x, y = r * np.cos(theta), r * np.sin(theta)
+    zero, one = np.zeros_like(r), np.ones_like(r)
+    columns: list[np.ndarray] = [np.array([one, zero]), np.array([zero, one]), np.array([-y, x])]
+    first = []
+    for symmetric in (True, False):
+        first.append(len(columns))
+        for field in williams_fields(opening, symmetric, terms) + decaying_fields(
+            opening, symmetric, decaying
+        ):
+            value = field.displacement(r, theta, E, nu)
+            columns += [value.real, value.imag] if np.iscomplexobj(value) else [value]
+    A = np.array([column.ravel() for column in columns]).T
+    if A.shape[0] < A.shape[1]:
+        raise ValueError(f"{len(r)} points cannot determine {A.shape[1]} amplitudes; take more rings or rays")
+    size = np.linalg.norm(A, axis=0)
+    b = u.T.ravel()
+    amplitude = np.linalg.lstsq(A / size, b, rcond=None)[0] / size
+    rigid = A[:, :3] @ np.linalg.lstsq(A[:, :3], b, rcond=None)[0]
+    strained = np.linalg.norm(b - rigid)
+    misfit = np.linalg.norm(b - A @ amplitude) / strained if strained > 0 else 0.0
+    return float(amplitude[first[0]]), float(amplitude[first[1]]), float(misfit)
+
+
+def sharp_curves(
+    a: ArrayLike, k_1: float, k_2: float, opening: float, E: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Energy and stress on the bisector of a sharp notch (thesis Eq. 3.22, 3.23).
+
+    Parameters
+    ----------
+    a : array_like (n,)
+        Crack lengths and distances from the tip, > 0, mm.
+    k_1, k_2 : float
+        Generalised stress intensities, MPa mm^(1 - lambda). A negative k_1 keeps the crack closed and releases
+        nothing.
+    opening : float
+        Opening angle, radians.
+    E : float
+        Plane stress equivalent of Young's modulus, MPa.
+
+    Returns
+    -------
+    G_inc : ndarray (n,)
+        Incremental energy release rate, N/mm.
+    sigma_I : ndarray (n,)
+        Maximum principal stress of the uncracked notch, MPa.
+
+    Raises
+    ------
+    ValueError
+        When a length is not positive: the stress is infinite at the tip.
+
+    Examples
+    --------
+    A crack releases K^2/E at any length.
+
+    >>> G_inc, sigma_I = sharp_curves([0.5, 2.0], 1.0 / np.sqrt(2 * np.pi), 0.0, 0.0, E=1.0)
+    >>> bool(np.allclose(G_inc, 1.0)), bool(np.allclose(sigma_I, 1 / np.sqrt(2 * np.pi * np.array([0.5, 2.0]))))
+    (True, True)
+    """
+    a = np.asarray(a, dtype=float)
+    if not np.all(a > 0):
+        raise ValueError(f"a = {np.min(a)!r}: must be positive, the stress is infinite at a sharp tip")
+    G_inc = np.zeros_like(a)
+    stress = np.zeros((3, *a.shape))
+    for k, opens, symmetric in ((k_1, k_1 > 0, True), (k_2, True, False)):
+        field = williams_fields(opening, symmetric, 1)[0]
+        stress += k * field.stress(a, np.zeros_like(a))
+        if opens:
+            G_inc += k**2 * a ** (2 * field.exponent.real - 1) * release_coefficient(opening, symmetric) / E
+    radial, hoop, shear = stress
+    return G_inc, 0.5 * (radial + hoop) + np.hypot(0.5 * (radial - hoop), shear)
+
+
+def root_half_width(radius: float, opening: float) -> float:
+    """Distance of the points where arc and flanks touch from the bisector, radius cos(opening/2), mm.
+
+    Raises
+    ------
+    ValueError
+        When the radius is not positive.
+    """
+    if not (math.isfinite(radius) and radius > 0):
+        raise ValueError(f"radius = {radius!r}: must be positive; a sharp notch has `sharp_curves`")
+    half_angle(opening)  # refuses what is not an opening
+    return radius * math.cos(0.5 * opening)
+
+
+def blunted_curves(
+    a: ArrayLike, k_1: float, radius: float, opening: float, E: float, table: VNotchTable | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Energy and stress on the bisector of a rounded notch that is small in its part.
+
+    The arc of the root touches both flanks; flanks, arc and k_1 tell everything. With an opening of 0 the flanks are
+    parallel (U-notch) and k_1 = K/sqrt(2 pi).
+
+    Parameters
+    ----------
+    a : array_like (n,)
+        Crack lengths and distances from the root, >= 0, mm.
+    k_1 : float
+        Generalised stress intensity of the sharp notch with the same flanks, MPa mm^(1 - lambda_1). A negative one
+        keeps the crack closed and releases nothing.
+    radius : float
+        Of the root, mm.
+    opening : float
+        Opening angle, radians.
+    E : float
+        Plane stress equivalent of Young's modulus, MPa.
+    table : VNotchTable, optional
+        Without it the shipped one.
+
+    Returns
+    -------
+    G_inc : ndarray (n,)
+        Incremental energy release rate, N/mm.
+    sigma_I : ndarray (n,)
+        Maximum principal stress of the uncracked notch, MPa.
+
+    Raises
+    ------
+    ValueError
+        When a length is negative or the radius not positive.
+
+    Examples
+    --------
+    The straight edge in tension: G_inc = 1.1215^2 pi/2 sigma^2 a/E.
+
+    >>> G_inc, sigma_I = blunted_curves([0.0, 0.1], 10.0, 1.0, np.pi, E=1000.0)
+    >>> np.round(G_inc, 5), np.round(sigma_I, 5)
+    (array([0.     , 0.01976]), array([10., 10.]))
+    """
+    a = np.asarray(a, dtype=float)
+    if not np.all(a >= 0):
+        raise ValueError(f"a = {np.min(a)!r}: must not be negative")
+    table = load_v_notches() if table is None else table
+    unit, exponent = root_half_width(radius, opening), singular_exponent(opening)
+    G_inc = max(k_1, 0.0) ** 2 * unit ** (2 * exponent - 1) * table.release(opening, a / unit) / E
+    sigma_I = (k_1 * unit ** (exponent - 1) * table.bisector_stress(opening, a / unit)).max(axis=0)
+    return G_inc, sigma_I
+
+
+def intensity_from_root_stress(
+    sigma_max: float, radius: float, opening: float, table: VNotchTable | None = None
+) -> float:
+    """k_1 with which the root of a rounded notch carries the stress ``sigma_max``, MPa mm^(1 - lambda_1).
+
+    Parameters
+    ----------
+    sigma_max : float
+        Stress along the surface of the root, at the bisector, MPa.
+    radius : float
+        Of the root, mm.
+    opening : float
+        Opening angle, radians.
+    table : VNotchTable, optional
+        Without it the shipped one.
+
+    Examples
+    --------
+    >>> round(intensity_from_root_stress(10.0, 1.0, np.pi), 6)
+    10.0
+    """
+    table = load_v_notches() if table is None else table
+    unit = root_half_width(radius, opening)
+    root = table.bisector_stress(opening, np.zeros(1))[0, 0]
+    return float(sigma_max / (root * unit ** (singular_exponent(opening) - 1)))
+
+
+class CriticalIntensity(NamedTuple):
+    """Leguillon's criterion for a sharp notch.
+
+    Attributes
+    ----------
+    k_1 : float
+        Generalised stress intensity at which a crack starts, MPa mm^(1 - lambda_1).
+    crack_length : float
+        Length with which it starts, mm.
+    """
+
+    k_1: float
+    crack_length: float
+
+
+def critical_intensity(opening: float, material: Material) -> CriticalIntensity:
+    """Coupled criterion for a sharp notch under k_1 alone, in closed form.
+
+    k_1c = (G_c/B)^(1 - lambda) sigma_c^(2 lambda - 1) and a_c = G_c/(B sigma_c^2) (D. Leguillon, Eur. J. Mech.
+    A/Solids 21 (2002) 61-72). A crack (opening 0) gives Griffith's K_Ic/sqrt(2 pi), a straight edge (pi) sigma_c.
+
+    Parameters
+    ----------
+    opening : float
+        Opening angle, radians.
+    material : Material
+        Its state decides about plane stress or strain.
+
+    Examples
+    --------
+    >>> PMMA = Material.from_name("PMMA")
+    >>> round(critical_intensity(0.0, PMMA).k_1 * math.sqrt(2 * math.pi) / PMMA.K_Ic, 9)
+    1.0
+    """
+    lam = singular_exponent(opening)
+    B = release_coefficient(opening) / material.plane_stress_equivalent[0]
+    return CriticalIntensity(
+        (material.G_c / B) ** (1 - lam) * material.sigma_c ** (2 * lam - 1),
+        material.G_c / (B * material.sigma_c**2),
+    )
