@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from slmm import gallery
-from slmm.initiation.full_fea import principal_stress
+from slmm.fem.plate_model import principal_stress
 from slmm.plot import plot_initiation, principal_stress_field
 from slmm.scene import Scene
 from slmm.summary import as_json, by_criticality, verdict

@@ -26,8 +26,8 @@ from scipy.interpolate import CubicSpline
 
 from slmm import failure_indices, gallery
 from slmm.initiation.criterion import coupled_criterion
-from slmm.initiation.failure import ligament_length
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
+from slmm.initiation.paths import trial_paths
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import PUBLISHED
 from slmm.scene import Scene
@@ -72,8 +72,7 @@ def reference(scene: Scene, point: list[float], longest: float) -> FullFEA:
     """Full FEA along the path from a point of the notch, up to a length, mm, that stays in the ligament."""
     where = find_positions(scene.with_(analysis={"points": [point]}))
     hole, s = int(where.hole[0]), float(where.s[0])
-    ligament = ligament_length(scene, where.points[0], scene.outlines[hole].normals(s))
-    longest = min(longest, 0.7 * ligament)
+    longest = min(longest, 0.7 * float(trial_paths(scene, where).ligament[0]))
     return full_fea_curves(scene, hole, s, longest, a_min=longest / 200)
 
 

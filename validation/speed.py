@@ -23,8 +23,8 @@ import numpy as np
 from checks import RESULTS, Check, run, save, show
 
 from slmm import gallery
-from slmm.initiation.cells import cell_curves, select_modes
-from slmm.initiation.criterion import critical_load, stress_over_crack
+from slmm.initiation.cells import cell_curves, place_cells, select_modes
+from slmm.initiation.curves import criticals
 from slmm.initiation.local_model import solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.positions import find_positions
@@ -52,10 +52,9 @@ def per_position(counts: tuple[int, ...], repeats: int) -> list[dict[str, float]
         wall, cpu = [], []
         for _ in range(repeats):
             w, c = time.perf_counter(), time.process_time()
-            cells = cell_curves(scene, outline, s, local, meta, DEFAULT, DEFAULT.fine, True)
-            strength = stress_over_crack(cells.a, cells.sigma_I, False)
-            for a, G_inc, stress in zip(cells.a, cells.G_inc, strength, strict=True):
-                critical_load(a, G_inc, stress, material.G_c, material.sigma_c)
+            placed = place_cells(scene, outline, s, local, meta, DEFAULT, DEFAULT.fine)
+            curves, _, _ = cell_curves(scene, outline, placed, meta, DEFAULT, True)
+            criticals(curves, material, average=False)
             wall.append(time.perf_counter() - w)
             cpu.append(time.process_time() - c)
         # the first run compiles or loads the kernels

@@ -9,45 +9,13 @@ from scipy.interpolate import CubicSpline
 
 from slmm.contours.outline import Outline
 from slmm.initiation import control
-from slmm.initiation.local_model import LocalModel
+from slmm.initiation.curves import CURVE_POINTS, PathCurves
+from slmm.initiation.local_model import LocalField
 from slmm.initiation.meta_model import MetaModel, polynomial_matrix
-from slmm.initiation.placement import CELL_HEIGHT, Constraints, fit_cells, grow_cells
+from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points, fit_cells, grow_cells
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 from slmm.initiation.support import edge_support, supported
 from slmm.scene import Scene
-
-#: points of the curves along a crack path, dense towards the surface
-CURVE_POINTS = 201
-
-
-@dataclass(frozen=True)
-class Curves:
-    """What cells say about n positions; NaN where there is no cell.
-
-    Attributes
-    ----------
-    a : ndarray (n, CURVE_POINTS)
-        Crack length and, alike, distance from the notch, mm.
-    G_inc : ndarray (n, CURVE_POINTS)
-        Incremental energy release rate, N/mm; 0 where the crack would be closed.
-    sigma_I : ndarray (n, CURVE_POINTS)
-        Maximum principal stress, MPa.
-    height, curvature, weight, support, misfit : ndarray (n,)
-        Of the cell: height (mm), fitted c (1/mm), weight w of the auto control, support rho of the plate's edges,
-        misfit of the boundary fit.
-    stopped : ndarray (n,)
-        Index into `placement.STOPPED`.
-    """
-
-    a: np.ndarray
-    G_inc: np.ndarray
-    sigma_I: np.ndarray
-    height: np.ndarray
-    curvature: np.ndarray
-    weight: np.ndarray
-    support: np.ndarray
-    misfit: np.ndarray
-    stopped: np.ndarray
 
 
 def select_modes(meta: MetaModel, modes: str) -> MetaModel:
@@ -76,27 +44,26 @@ def path_fractions(linear_lengths: int) -> np.ndarray:
     return fine
 
 
-def cell_curves(
+def place_cells(
     scene: Scene,
     outline: Outline,
     s: np.ndarray,
-    local: LocalModel,
+    local: LocalField,
     meta: MetaModel,
     settings: Settings,
     rule: Constraints,
-    auto_control: bool,
-) -> Curves:
-    """Place the largest valid cells, fit their boundaries, superpose the stored results.
+) -> Placed:
+    """Place the largest valid cell and one of half its size at each position, and fit their boundaries.
 
     Parameters
     ----------
     scene : Scene
-        Plate, load and material.
+        Its plate is used.
     outline : Outline
         The notch.
     s : ndarray (n,)
         Arc lengths of the positions, mm.
-    local : LocalModel
+    local : LocalField
         Displacements around the notch.
     meta : MetaModel
         Only the modes that are to be fitted.
@@ -104,68 +71,131 @@ def cell_curves(
         How.
     rule : Constraints
         When a cell is valid.
-    auto_control : bool
-        False: the boundary is held (SLMM); True: it yields (SLMM+AC).
     """
-    coefficients, length = np.ascontiguousarray(outline.coefficients), outline.length
-    voxel = max(local.hx, local.hy)
+    spline = np.ascontiguousarray(outline.breaks), np.ascontiguousarray(outline.coefficients)
     # no cell that fits the plate is higher than this
-    largest = settings.height or 2 * max(local.nx * local.hx, local.ny * local.hy)
-    first = settings.height or settings.cell_voxels * voxel
+    largest = settings.height or 2 * max(scene.plate.width, scene.plate.height)
+    first = settings.cell_voxels * local.resolution(outline.points(s))
+    if settings.height:
+        first = np.full(len(s), settings.height)
     c_min, c_max = float(meta.curvature[0]), float(meta.curvature[-1])
-    height, _, stopped = grow_cells(
-        coefficients, length, s, first, largest, rule, c_min, c_max, local.density, local.hx, local.hy
-    )
+    height, _, stopped = grow_cells(*spline, s, first, largest, rule, c_min, c_max, *local.raster)
+    rows = np.flatnonzero(np.isfinite(height))
+    s, height = s[rows], height[rows]
 
     along_xi = meta.powers[:, 0] == 0
     powers_xi, powers_eta = (np.ascontiguousarray(meta.powers[which, 1:]) for which in (along_xi, ~along_xi))
 
     def fitted(h):
-        return fit_cells(coefficients, length, s, h, rule, powers_xi, powers_eta, local.u, local.hx, local.hy)
+        curvature, points = boundary_points(*spline, s, h, rule)
+        u = local.displacement(points.reshape(-1, 2)).reshape(points.shape)
+        modes, misfit = fit_cells(*spline, s, h, curvature, powers_xi, powers_eta, u)
+        return curvature, misfit, _Cell.scaled(meta, h, curvature, modes)
 
-    has_cell = np.isfinite(height)
-    n, points = len(s), CURVE_POINTS
-    a, G_inc, sigma_I = (np.full((n, points), np.nan) for _ in range(3))
-    weight, support = np.full(n, np.nan), np.full(n, np.nan)
-    curvature, modes, misfit = fitted(height)
-    if has_cell.any():
-        h, c, u = height[has_cell], curvature[has_cell], modes[has_cell]
-        small_c, small_u = (v[has_cell] for v in fitted(0.5 * height)[:2]) if auto_control else (c, u)
-        rho = np.zeros(len(h))
-        if auto_control and settings.relaxed == "unbounded":
-            rho = edge_support(scene, outline, s[has_cell], h, c)
-        E = scene.material.plane_stress_equivalent[0]
-        w, curves = _superpose(meta, E, h, c, u, small_c, small_u, settings, auto_control, rho)
-        weight[has_cell], support[has_cell] = w, rho
-        a[has_cell], G_inc[has_cell], sigma_I[has_cell] = curves
-    return Curves(a, G_inc, sigma_I, height, curvature, weight, support, misfit, stopped)
+    curvature, misfit, large = fitted(height)
+    return Placed(rows, s, height, curvature, misfit, large, fitted(0.5 * height)[2], stopped)
 
 
-def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, settings, auto_control, rho):
-    """Weights (n,) and the curves a, G_inc, sigma_I (n, CURVE_POINTS) in the real space."""
-    scale = height / CELL_HEIGHT  # lambda_l, Eq. 15
-    image_c = np.clip(curvature * scale, meta.curvature[0], meta.curvature[-1])
-    stress = meta.path_stress(image_c, modes)
-    opening, release = _bounds(meta, image_c, modes, stress, settings, auto_control)
+@dataclass(frozen=True)
+class _Cell:
+    """Cells in the image space."""
+
+    scale: np.ndarray  # lambda_l (n,), Eq. 15
+    curvature: np.ndarray  # c' (n,)
+    modes: np.ndarray  # u'_RP (n, m)
+    stress: np.ndarray  # path stress (n, 3, n_eta)
+
+    @classmethod
+    def scaled(cls, meta, height, curvature, modes):
+        scale = height / CELL_HEIGHT
+        image_c = np.clip(curvature * scale, meta.curvature[0], meta.curvature[-1])
+        return cls(scale, image_c, modes, meta.path_stress(image_c, modes))
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Cells on a notch, with fitted boundaries.
+
+    Attributes
+    ----------
+    rows : ndarray of int
+        Which of the positions have a cell; the other arrays are of these.
+    s, height, curvature : ndarray (n,)
+        Arc length (mm), height of the larger cell (mm) and fitted c (1/mm).
+    misfit : ndarray (n,)
+        What the modes leave of the displacements on its boundary.
+    large, small : _Cell
+        The cell and one of half its size.
+    stopped : ndarray of int
+        Of all positions: index into `placement.STOPPED`.
+    """
+
+    rows: np.ndarray
+    s: np.ndarray
+    height: np.ndarray
+    curvature: np.ndarray
+    misfit: np.ndarray
+    large: _Cell
+    small: _Cell
+    stopped: np.ndarray
+
+
+def cell_stress(placed: Placed, meta: MetaModel, E: float, depths: np.ndarray) -> np.ndarray:
+    """Stress across the path, along it, and shear (n, 3, k) at depths (n, k), MPa; NaN beyond half a cell's length."""
+    result = np.full((len(placed.rows), 3, depths.shape[1]), np.nan)
+    at = depths / placed.large.scale[:, None]
+    for i, row in enumerate(at):
+        reached = row <= meta.eta[-1] * (1 + 1e-9)
+        result[i][:, reached] = E * placed.large.stress[i] @ polynomial_matrix(meta.eta, row[reached]).T
+    return result
+
+
+def cell_curves(
+    scene: Scene, outline: Outline, placed: Placed, meta: MetaModel, settings: Settings, auto_control: bool
+) -> tuple[PathCurves, np.ndarray, np.ndarray]:
+    """Superpose the stored results.
+
+    Parameters
+    ----------
+    scene, outline, meta, settings
+        As in `place_cells`.
+    placed : Placed
+    auto_control : bool
+        False: the boundary is held (SLMM); True: it yields (SLMM+AC).
+
+    Returns
+    -------
+    curves : PathCurves
+        Of the positions with a cell; G_inc is 0 where the crack would be closed.
+    weight, support : ndarray (n,)
+        Weight w of the auto control and support rho of the plate's edges.
+    """
+    rho = np.zeros(len(placed.rows))
+    if auto_control and settings.relaxed == "unbounded":
+        rho = edge_support(scene, outline, placed.s, placed.height, placed.curvature)
+    E = scene.material.plane_stress_equivalent[0]
+    weight, curves = _superpose(meta, E, placed.large, placed.small, settings, auto_control, rho)
+    return curves, weight, rho
+
+
+def _superpose(meta, E, large, small, settings, auto_control, rho):
+    """Weights (n,) and the curves in the real space."""
+    opening, release = _bounds(meta, large, settings, auto_control)
+    a_n = meta.lengths[-1]
     if auto_control:
-        half_c = np.clip(small_curvature * scale / 2, meta.curvature[0], meta.curvature[-1])
-        half_stress = meta.path_stress(half_c, small_modes)
-        longest = slice(-1, None)
-        _, half_release = _bounds(meta, half_c, small_modes, half_stress, settings, auto_control, longest)
+        _, small_release = _bounds(meta, small, settings, auto_control, slice(-1, None))
         # a_n of the small cell is half of that of the large one; G scales with the length
-        a_n = meta.lengths[-1]
-        small = 0.5 * half_release[..., -1]
-        large = np.stack([_at_length(meta, row, 0.5 * a_n) for row in release])
-        w = control.auto_weight(small, large)
+        at_small_end = np.stack([_at_length(meta, row, 0.5 * a_n) for row in release])
+        w = control.auto_weight(0.5 * small_release[..., -1], at_small_end)
     else:
-        w = np.zeros(len(scale))
+        w = np.zeros(len(rho))
     held = release[0]
     G = supported(held + w[:, None] * (release[1] + w[:, None] * release[2]), held, rho)
 
-    a_image = path_fractions(settings.linear_lengths) * meta.lengths[-1]
+    a_image = path_fractions(settings.linear_lengths) * a_n
     if settings.linear_lengths:
         # Psi/a linear between the stored lengths and 0 without a crack (Eq. 9)
-        stored = np.linspace(0.0, meta.lengths[-1], settings.linear_lengths + 1)
+        stored = np.linspace(0.0, a_n, settings.linear_lengths + 1)
         at_stored = np.stack([_at_length(meta, G, a) for a in stored], axis=1)
         G_dense = np.array([np.interp(a_image, stored, row) for row in at_stored])
     else:
@@ -173,10 +203,16 @@ def _superpose(meta, E, height, curvature, modes, small_curvature, small_modes, 
     closed = CubicSpline(meta.lengths, opening, axis=1)(a_image) <= 0
     G_dense = np.where(closed, 0.0, np.maximum(G_dense, 0.0))
 
-    sigma = stress @ polynomial_matrix(meta.eta, a_image).T
-    normal, tangential, shear = sigma[:, 0], sigma[:, 1], sigma[:, 2]
-    principal = 0.5 * (normal + tangential) + np.hypot(0.5 * (normal - tangential), shear)
-    return w, (a_image * scale[:, None], G_dense * (E * scale)[:, None], principal * E)
+    scale = large.scale[:, None]
+    missing = np.full(G_dense.shape, np.nan)
+    sigma = _principal(large.stress @ polynomial_matrix(meta.eta, a_image).T)
+    return w, PathCurves(a_image * scale, G_dense * (E * scale), sigma * E, missing, missing)
+
+
+def _principal(sigma):
+    """Maximum principal stress (n, k) of components xi-xi, eta-eta, xi-eta (n, 3, k)."""
+    normal, tangential, shear = sigma.swapaxes(0, 1)
+    return 0.5 * (normal + tangential) + np.hypot(0.5 * (normal - tangential), shear)
 
 
 def _at_length(meta, values, a):
@@ -184,15 +220,15 @@ def _at_length(meta, values, a):
     return CubicSpline(meta.lengths, values / meta.lengths, axis=1)(a) * a
 
 
-def _bounds(meta, curvature, modes, stress, settings, auto_control, which=slice(None)):
+def _bounds(meta, cell, settings, auto_control, which=slice(None)):
     """Mean opening (n, n_a), and the coefficients of G' = q0 + q1 w + q2 w^2 (3, n, n_a), for some lengths."""
     lengths = meta.lengths[which]
-    upper, opening = (values[:, which] for values in meta.unbounded_release(curvature, stress))
-    Psi = meta.stiffness_loss(curvature, which)
-    held = control.displacement_controlled(Psi, modes, lengths)
+    upper, opening = (values[:, which] for values in meta.unbounded_release(cell.curvature, cell.stress))
+    Psi = meta.stiffness_loss(cell.curvature, which)
+    held = control.displacement_controlled(Psi, cell.modes, lengths)
     if not auto_control:
         return opening, np.stack([held, np.zeros_like(held), np.zeros_like(held)])
     if settings.relaxed == "unbounded":
         return opening, np.stack([held, upper - held, np.zeros_like(held)])
-    released = control.force_controlled_modes(meta.stiffness(curvature), Psi, modes)
-    return opening, control.mixed_release(Psi, modes, released, lengths)
+    released = control.force_controlled_modes(meta.stiffness(cell.curvature), Psi, cell.modes)
+    return opening, control.mixed_release(Psi, cell.modes, released, lengths)

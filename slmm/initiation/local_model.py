@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba import njit
@@ -82,6 +82,61 @@ class LocalModel:
     def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacements (n, 2) at points (n, 2), mm."""
         return _displacements(self.u, self.hx, self.hy, np.ascontiguousarray(points, dtype=float))
+
+    def resolution(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Size of the voxels at points (n, 2), mm."""
+        return np.full(len(points), max(self.hx, self.hy))
+
+    @property
+    def raster(self) -> Raster:
+        """Where the material is."""
+        return Raster(self.density, self.hx, self.hy)
+
+
+class Raster(NamedTuple):
+    """The material's share of rectangular pieces of the plate.
+
+    Attributes
+    ----------
+    density : (ny, nx) array
+        0 in a hole to 1; row 0 lies at y = 0.
+    hx, hy : float
+        Sides of a piece, mm.
+    """
+
+    density: NDArray[np.float64]
+    hx: float
+    hy: float
+
+
+class LocalField(Protocol):
+    """What crack cells need of the uncracked part, from voxels or any other model of it."""
+
+    @property
+    def raster(self) -> Raster:
+        """Where the material is."""
+        ...
+
+    def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacements (n, 2) at points (n, 2), mm."""
+        ...
+
+    def resolution(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Size (n,) of the voxels that would resolve the displacements at points (n, 2) as well, mm."""
+        ...
+
+
+#: pieces of a plate that tell material from notches where the local model has no voxels
+RASTER_PIECES = 400**2
+
+
+def rasterised(scene: Any) -> Raster:
+    """The material's share of pieces of a scene's plate."""
+    width, height = scene.plate.width, scene.plate.height
+    nx, ny = grid_size(width, height, RASTER_PIECES)
+    hx, hy = width / nx, height / ny
+    polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
+    return Raster(1 - area_fraction(polygons, width, height, nx, ny), hx, hy)
 
 
 def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalModel:

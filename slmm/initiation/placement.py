@@ -3,7 +3,7 @@
 Paper A, section 2.3: at a notch point the xi axis runs along the outline and the eta axis into the material. The
 outline over the cell's height is fitted by eta = c xi^2; the cell grows until a constraint stops it; then the local
 model's displacements on the three straight edges are fitted by the deformation modes. All positions are one numba
-pass.
+pass for each of these steps.
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit, prange
-
-from slmm.initiation.local_model import bilinear
 
 #: cell height and length in the image space (Paper A, Table 1)
 CELL_HEIGHT = 2.0
@@ -62,26 +60,26 @@ class Constraints(NamedTuple):
 
 
 @njit(cache=True)
-def _outline_point(coefficients, length, s):
-    m = coefficients.shape[1]
-    s = s % length
-    ds = length / m
-    k = min(int(s / ds), m - 1)
-    t = s - k * ds
+def _piece(breaks, s):
+    """Index of the outline's piece at the arc length s, and the arc length within it."""
+    s = s % breaks[-1]
+    k = min(np.searchsorted(breaks, s, side="right"), len(breaks) - 1) - 1
+    return k, s - breaks[k]
+
+
+@njit(cache=True)
+def _outline_point(breaks, coefficients, s):
+    k, t = _piece(breaks, s)
     x = ((coefficients[0, k, 0] * t + coefficients[1, k, 0]) * t + coefficients[2, k, 0]) * t
     y = ((coefficients[0, k, 1] * t + coefficients[1, k, 1]) * t + coefficients[2, k, 1]) * t
     return x + coefficients[3, k, 0], y + coefficients[3, k, 1]
 
 
 @njit(cache=True)
-def _frame(coefficients, length, s):
+def _frame(breaks, coefficients, s):
     """Notch point and unit tangent; the normal into the material is (t_y, -t_x)."""
-    m = coefficients.shape[1]
-    ds = length / m
-    s = s % length
-    k = min(int(s / ds), m - 1)
-    t = s - k * ds
-    x, y = _outline_point(coefficients, length, s)
+    k, t = _piece(breaks, s)
+    x, y = _outline_point(breaks, coefficients, s)
     tx = (3 * coefficients[0, k, 0] * t + 2 * coefficients[1, k, 0]) * t + coefficients[2, k, 0]
     ty = (3 * coefficients[0, k, 1] * t + 2 * coefficients[1, k, 1]) * t + coefficients[2, k, 1]
     norm = np.hypot(tx, ty)
@@ -89,14 +87,14 @@ def _frame(coefficients, length, s):
 
 
 @njit(cache=True)
-def _curvature(coefficients, length, s, height, rule):
+def _curvature(breaks, coefficients, s, height, rule):
     """Fitted c, sqrt(Var(c)), largest deviation from the parabola, and whether there is no undercut."""
-    x0, y0, tx, ty = _frame(coefficients, length, s)
+    x0, y0, tx, ty = _frame(breaks, coefficients, s)
     n = rule.samples
     xi = np.empty(n)
     eta = np.empty(n)
     for i in range(n):
-        x, y = _outline_point(coefficients, length, s + height * (i / (n - 1) - 0.5))
+        x, y = _outline_point(breaks, coefficients, s + height * (i / (n - 1) - 0.5))
         xi[i] = (x - x0) * tx + (y - y0) * ty
         eta[i] = (x - x0) * ty - (y - y0) * tx
     monotone = True
@@ -143,9 +141,9 @@ def _in_notch(solid, hx, hy, x, y):
 
 
 @njit(cache=True)
-def _check(coefficients, length, s, height, rule, c_min, c_max, solid, hx, hy):
+def _check(breaks, coefficients, s, height, rule, c_min, c_max, solid, hx, hy):
     """Code of the first violated constraint, or -1; and the fitted curvature."""
-    c, spread, deviation, monotone = _curvature(coefficients, length, s, height, rule)
+    c, spread, deviation, monotone = _curvature(breaks, coefficients, s, height, rule)
     if not monotone:
         return 2, c
     scale = height / CELL_HEIGHT
@@ -157,7 +155,7 @@ def _check(coefficients, length, s, height, rule, c_min, c_max, solid, hx, hy):
         or deviation > rule.deviation * height
     ):
         return 4, c
-    x0, y0, tx, ty = _frame(coefficients, length, s)
+    x0, y0, tx, ty = _frame(breaks, coefficients, s)
     width, tall = solid.shape[1] * hx, solid.shape[0] * hy
     right = CELL_LENGTH + c_image
     inside = 0
@@ -182,17 +180,19 @@ def _check(coefficients, length, s, height, rule, c_min, c_max, solid, hx, hy):
 
 
 @njit(parallel=True, cache=True)
-def grow_cells(coefficients, length, s, first_height, largest_height, rule, c_min, c_max, solid, hx, hy):
+def grow_cells(breaks, coefficients, s, first_height, largest_height, rule, c_min, c_max, solid, hx, hy):
     """Largest valid cell at each position (the loop of Eq. 27).
 
     Parameters
     ----------
-    coefficients, length : ndarray (4, m, 2), float
+    breaks, coefficients : ndarray (m + 1,), ndarray (4, m, 2)
         Outline.
     s : ndarray (n,)
         Arc lengths of the positions, mm.
-    first_height, largest_height : float
-        Height of the first trial and the height not to exceed, mm.
+    first_height : ndarray (n,)
+        Height of the first trial, mm.
+    largest_height : float
+        Height not to exceed, mm.
     rule : Constraints
         When a cell is valid.
     c_min, c_max : float
@@ -214,9 +214,9 @@ def grow_cells(coefficients, length, s, first_height, largest_height, rule, c_mi
     curvature = np.full(n, np.nan)
     stopped = np.full(n, len(STOPPED) - 1)
     for k in prange(n):
-        trial = first_height
+        trial = first_height[k]
         while trial <= largest_height:
-            code, c = _check(coefficients, length, s[k], trial, rule, c_min, c_max, solid, hx, hy)
+            code, c = _check(breaks, coefficients, s[k], trial, rule, c_min, c_max, solid, hx, hy)
             if code == -1:
                 height[k] = trial
                 curvature[k] = c
@@ -229,46 +229,78 @@ def grow_cells(coefficients, length, s, first_height, largest_height, rule, c_mi
 
 
 @njit(parallel=True, cache=True)
-def fit_cells(coefficients, length, s, height, rule, powers_xi, powers_eta, u, hx, hy):
-    """Reference point displacements of cells of given height (Eq. 24), in the image space.
+def boundary_points(breaks, coefficients, s, height, rule):
+    """Fitted curvatures and the points on the three straight edges of cells of given height.
 
     Parameters
     ----------
-    coefficients, length, s, rule, hx, hy
+    breaks, coefficients, s, rule
         As in `grow_cells`.
     height : ndarray (n,)
-        Cell heights, mm; NaN is passed over.
-    powers_xi, powers_eta : ndarray (m, 2)
-        Powers p, q of the modes xi^p eta^q for the displacements along xi and along eta.
-    u : ndarray (ny + 1, nx + 1, 2)
-        Displacements of the local model, mm.
+        Cell heights, mm; where they are NaN, so are the results.
 
     Returns
     -------
     curvature : ndarray (n,)
         Fitted c, 1/mm.
+    points : ndarray (n, rule.boundary_samples, 2)
+        Where the displacements are wanted, mm.
+    """
+    n, samples = len(s), rule.boundary_samples
+    curvature = np.full(n, np.nan)
+    points = np.full((n, samples, 2), np.nan)
+    for k in prange(n):
+        if not np.isfinite(height[k]):
+            continue
+        scale = height[k] / CELL_HEIGHT
+        c = _curvature(breaks, coefficients, s[k], height[k], rule)[0]
+        x0, y0, tx, ty = _frame(breaks, coefficients, s[k])
+        for i in range(samples):
+            xi, eta = boundary_point(i, samples, c * scale, CELL_LENGTH + c * scale)
+            points[k, i, 0] = x0 + scale * (xi * tx + eta * ty)
+            points[k, i, 1] = y0 + scale * (xi * ty - eta * tx)
+        curvature[k] = c
+    return curvature, points
+
+
+@njit(parallel=True, cache=True)
+def fit_cells(breaks, coefficients, s, height, curvature, powers_xi, powers_eta, u):
+    """Reference point displacements of cells of given height (Eq. 24), in the image space.
+
+    Parameters
+    ----------
+    breaks, coefficients, s
+        As in `grow_cells`.
+    height, curvature : ndarray (n,)
+        Cell heights, mm, and fitted curvatures, 1/mm; NaN is passed over.
+    powers_xi, powers_eta : ndarray (m, 2)
+        Powers p, q of the modes xi^p eta^q for the displacements along xi and along eta.
+    u : ndarray (n, samples, 2)
+        Displacements of the local model at the `boundary_points`, mm.
+
+    Returns
+    -------
     modes : ndarray (n, m_xi + m_eta)
         Amplitudes u'_RP, first those along xi.
     misfit : ndarray (n,)
         Norm of what the modes leave over the norm of the displacements, both without their mean.
     """
-    n, points = len(s), rule.boundary_samples
+    n, points = len(s), u.shape[1]
     m_xi, m_eta = len(powers_xi), len(powers_eta)
-    curvature = np.full(n, np.nan)
     modes = np.full((n, m_xi + m_eta), np.nan)
     misfit = np.full(n, np.nan)
     for k in prange(n):
         if not np.isfinite(height[k]):
             continue
         scale = height[k] / CELL_HEIGHT
-        c = _curvature(coefficients, length, s[k], height[k], rule)[0]
-        x0, y0, tx, ty = _frame(coefficients, length, s[k])
+        c = curvature[k]
+        _, _, tx, ty = _frame(breaks, coefficients, s[k])
         A_xi = np.ones((points, m_xi + 1))
         A_eta = np.ones((points, m_eta + 1))
         b = np.empty((2, points))
         for i in range(points):
             xi, eta = boundary_point(i, points, c * scale, CELL_LENGTH + c * scale)
-            ux, uy = bilinear(u, hx, hy, x0 + scale * (xi * tx + eta * ty), y0 + scale * (xi * ty - eta * tx))
+            ux, uy = u[k, i, 0], u[k, i, 1]
             b[0, i] = (ux * tx + uy * ty) / scale
             b[1, i] = (ux * ty - uy * tx) / scale
             for j in range(m_xi):
@@ -281,7 +313,6 @@ def fit_cells(coefficients, length, s, height, rule, powers_xi, powers_eta, u, h
         left = ((A_xi @ fit_xi - b[0]) ** 2).sum() + ((A_eta @ fit_eta - b[1]) ** 2).sum()
         whole = ((b[0] - b[0].mean()) ** 2).sum() + ((b[1] - b[1].mean()) ** 2).sum()
         misfit[k] = np.sqrt(left / whole) if whole > 0 else 0.0
-        curvature[k] = c
         modes[k, :m_xi] = fit_xi[:m_xi]
         modes[k, m_xi:] = fit_eta[:m_eta]
-    return curvature, modes, misfit
+    return modes, misfit

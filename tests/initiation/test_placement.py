@@ -5,7 +5,15 @@ import pytest
 
 from slmm.contours.outline import Outline
 from slmm.contours.shapes import circle, ellipse
-from slmm.initiation.placement import STOPPED, Constraints, boundary_point, fit_cells, grow_cells
+from slmm.initiation.local_model import LocalModel
+from slmm.initiation.placement import (
+    STOPPED,
+    Constraints,
+    boundary_point,
+    boundary_points,
+    fit_cells,
+    grow_cells,
+)
 
 PAPER = Constraints(11, False, 0.01, 0.1, np.inf, 28, 2)
 LOCAL = Constraints(21, True, np.inf, 0.0, 0.005, 84, 2)
@@ -21,22 +29,25 @@ def plate(n=200, size=100.0, radius=20.0):
 
 def grow(outline, s, rule, first=5.0, largest=200.0, grid=None):
     grid = plate() if grid is None else grid
+    first = np.full(np.size(s), first)
     return grow_cells(
-        outline.coefficients, outline.length, np.atleast_1d(s), first, largest, rule, -1.0, 0.5, *grid
+        outline.breaks, outline.coefficients, np.atleast_1d(s), first, largest, rule, -1.0, 0.5, *grid
     )
+
+
+def curvature(outline, s, height, rule):
+    at, heights = np.atleast_1d(s), np.full(np.size(s), height)
+    return boundary_points(outline.breaks, outline.coefficients, at, heights, rule)[0]
 
 
 def test_parabola_and_quartic_see_the_circle():
     outline = Outline.through(circle((50, 50), 20.0))
-    s = np.array([0.0])
-    u = np.zeros((201, 201, 2))
-    args = (POWERS, POWERS, u, 0.5, 0.5)
-    fitted, _, _ = fit_cells(outline.coefficients, outline.length, s, np.array([38.7]), PAPER, *args)
+    fitted = curvature(outline, 0.0, 38.7, PAPER)
     # by hand: least squares of 20 (cos t - 1) by (20 sin t)^2 over the arc
     t = np.linspace(-1, 1, 11) * 38.7 / 2 / 20
     xi, eta = 20 * np.sin(t), 20 * (np.cos(t) - 1)
     assert fitted[0] == pytest.approx((eta * xi**2).sum() / (xi**4).sum(), rel=1e-4)
-    local, _, _ = fit_cells(outline.coefficients, outline.length, s, np.array([20.0]), LOCAL, *args)
+    local = curvature(outline, 0.0, 20.0, LOCAL)
     assert local[0] == pytest.approx(-1 / 40, rel=0.01)  # the curvature at the mouth
 
 
@@ -79,18 +90,11 @@ def test_affine_displacements_are_fitted_exactly_in_turned_axes(s):
     y, x = np.mgrid[0:101, 0:101] * 1.0
     gradient = np.array([[0.01, 0.004], [-0.002, 0.03]])
     u = np.stack([gradient[0, 0] * x + gradient[0, 1] * y, gradient[1, 0] * x + gradient[1, 1] * y], axis=-1)
-    _, modes, misfit = fit_cells(
-        outline.coefficients,
-        outline.length,
-        np.array([s]),
-        np.array([15.0]),
-        LOCAL,
-        POWERS,
-        POWERS,
-        u,
-        1.0,
-        1.0,
-    )
+    local = LocalModel(u, 1.0, 1.0, 100, 100, np.ones((100, 100)), 0, 0.0)
+    at, height = np.array([s]), np.array([15.0])
+    c, points = boundary_points(outline.breaks, outline.coefficients, at, height, LOCAL)
+    there = local.displacement(points[0])[None]
+    modes, misfit = fit_cells(outline.breaks, outline.coefficients, at, height, c, POWERS, POWERS, there)
     tangent, normal = outline.tangents(s), outline.normals(s)
     expected_xi = [tangent @ gradient @ tangent, tangent @ gradient @ normal, 0, 0, 0]
     expected_eta = [normal @ gradient @ tangent, normal @ gradient @ normal, 0, 0, 0]

@@ -1,0 +1,148 @@
+"""How large elements may be: small where outlines bend, gaps are narrow or stresses singular, larger elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numba import njit
+
+from slmm.contours.outline import Outline
+
+#: growth of the element size with the distance from where it is prescribed, mm per mm
+GROWTH = 0.3
+#: intervals on an outline whose turn is measured; digitised outlines are not smooth on a much finer scale
+INTERVALS = 256
+#: elements in the narrowest part of a gap
+ACROSS_GAP = 2
+#: size at a crack tip or a corner of the material, as a share of the crack or of the sides that meet there
+SINGULAR_SHARE = 1e-3
+
+
+class ElementSize:
+    """Size wanted at a point: prescribed at sources, growing with the distance from them, never above ``largest``.
+
+    Examples
+    --------
+    >>> size = ElementSize(10.0)
+    >>> size.prescribe(np.array([[0.0, 0.0]]), np.array([1.0]))
+    >>> size(np.array([[0.0, 0.0], [10.0, 0.0], [99.0, 0.0]]))
+    array([ 1.,  4., 10.])
+    """
+
+    def __init__(self, largest: float):
+        """No source yet."""
+        self.largest = float(largest)
+        self._points = np.empty((0, 2))
+        self._sizes = np.empty(0)
+
+    def prescribe(self, points: np.ndarray, sizes: np.ndarray) -> None:
+        """Sizes (n,), mm, at points (n, 2); those above the largest say nothing."""
+        matters = sizes < self.largest
+        self._points = np.concatenate([self._points, points[matters]])
+        self._sizes = np.concatenate([self._sizes, sizes[matters]])
+
+    def __call__(self, points: np.ndarray) -> np.ndarray:
+        """Sizes (n,) at points (n, 2), mm."""
+        return _sizes(np.ascontiguousarray(points), self._points, self._sizes, self.largest)
+
+
+@njit(cache=True)
+def _sizes(points, sources, prescribed, largest):
+    size = np.full(len(points), largest)
+    for i in range(len(points)):
+        for k in range(len(sources)):
+            allowed = size[i] - prescribed[k]
+            if allowed > 0.0:
+                dx, dy = points[i, 0] - sources[k, 0], points[i, 1] - sources[k, 1]
+                grown = GROWTH * np.sqrt(dx * dx + dy * dy)
+                if grown < allowed:
+                    size[i] = prescribed[k] + grown
+    return size
+
+
+def follow_outline(size: ElementSize, outline: Outline, angle_max: float, body: shapely.Polygon) -> None:
+    """No edge on the outline turns by more than ``angle_max``, rad; small elements at corners of the body."""
+    ends = np.concatenate([outline.corners, outline.corners[:1] + outline.length])
+    if not len(outline.corners):
+        ends = np.array([0.0, outline.length])
+    for s0, s1 in pairwise(ends):
+        n = max(4, round(INTERVALS * (s1 - s0) / outline.length))
+        inset = 1e-9 * outline.length  # a corner has two tangents
+        s = np.linspace(s0 + inset, s1 - inset, n + 1)
+        t = outline.tangents(s)
+        turn = np.abs(np.arctan2(t[:-1, 0] * t[1:, 1] - t[:-1, 1] * t[1:, 0], (t[:-1] * t[1:]).sum(axis=1)))
+        middle = outline.points(0.5 * (s[1:] + s[:-1]))
+        size.prescribe(middle, angle_max * (s[1] - s[0]) / np.maximum(turn, 1e-12))
+    if not len(outline.corners):
+        return
+    side = np.diff(ends)
+    shorter = np.minimum(side, np.roll(side, 1))
+    singular = outline.corner_angles < np.pi  # the material's angle is above 180 degrees
+    if singular.any():
+        at = outline.points(outline.corners[singular])
+        # a notch that cuts the plate's edge has corners outside
+        of_body = shapely.distance(shapely.points(at), body) < 1e-9 * body.length
+        size.prescribe(at[of_body], SINGULAR_SHARE * shorter[singular][of_body])
+
+
+def follow_crack(size: ElementSize, points: np.ndarray) -> None:
+    """Small elements at the tip (the last point) and at the kinks of a crack (n, 2)."""
+    length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+    size.prescribe(points[1:], np.full(len(points) - 1, SINGULAR_SHARE * length))
+
+
+def resolve_gaps(size: ElementSize, body: shapely.Polygon) -> None:
+    """Two elements at least between a closed curve around the body and the others."""
+    rings = [body.exterior, *body.interiors]
+    if len(rings) == 1:
+        return
+    parts = np.linspace(0, 1, 257)[:-1]
+    points = [shapely.get_coordinates(ring.interpolate(parts, normalized=True)) for ring in rings]
+    for k, own in enumerate(points):
+        others = np.concatenate([p for j, p in enumerate(points) if j != k])
+        # the distance to their points bounds the one to the curves: exact only where it may matter
+        coarse = _nearest(own, others)
+        near = coarse < 2 * ACROSS_GAP * size.largest + 2 * max(ring.length for ring in rings) / 256
+        lines = shapely.MultiLineString([ring for j, ring in enumerate(rings) if j != k])
+        size.prescribe(own[near], shapely.distance(shapely.points(own[near]), lines) / ACROSS_GAP)
+
+
+@njit(cache=True)
+def _nearest(points, others):
+    result = np.empty(len(points))
+    for i in range(len(points)):
+        best = np.inf
+        for k in range(len(others)):
+            dx, dy = points[i, 0] - others[k, 0], points[i, 1] - others[k, 1]
+            best = min(best, dx * dx + dy * dy)
+        result[i] = np.sqrt(best)
+    return result
+
+
+def along_path(path: np.ndarray) -> np.ndarray:
+    """Sizes (k,) at the nodes (k, 2) of a path: the shorter of the steps that meet there, mm."""
+    step = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    return np.minimum(np.append(step, step[-1]), np.append(step[0], step))
+
+
+def all_sizes(
+    largest: float,
+    outlines: Sequence[Outline],
+    cracks: Sequence[np.ndarray],
+    path: np.ndarray | None,
+    body: shapely.Polygon,
+    angle_max: float,
+) -> ElementSize:
+    """Sizes for a plate: outlines, gaps, cracks (n, 2), and a trial path (k, 2) whose nodes are prescribed."""
+    size = ElementSize(largest)
+    if path is not None:
+        size.prescribe(path, along_path(path))
+    for outline in outlines:
+        follow_outline(size, outline, angle_max, body)
+    for crack in cracks:
+        follow_crack(size, crack)
+    resolve_gaps(size, body)
+    return size

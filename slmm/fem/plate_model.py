@@ -1,0 +1,216 @@
+"""A notched, cracked plate on a body-fitted mesh: displacements, stresses, and what a trial crack releases."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+from scipy.sparse.linalg import SuperLU, splu
+from skfem import Basis, ElementTriP2, ElementVector
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from slmm.fem import triangle
+from slmm.fem.crack_line import crack_factor
+from slmm.fem.loads import plate_load
+from slmm.fem.mesh import PlateMesh
+from slmm.fem.recovery import recovered_stress
+from slmm.fem.slit import open_slits
+
+
+class PlateModel:
+    """Quadratic triangles on a body-fitted mesh, cracks open, loaded as the scene says.
+
+    A trial path in the mesh is closed; `SlitModel` lets it open.
+
+    Parameters
+    ----------
+    mesh : PlateMesh
+        Triangles, edges on the outlines, cracks and the trial path.
+    scene : Scene
+        Plate, material and load.
+
+    Attributes
+    ----------
+    mesh : skfem.MeshTri2
+        Vertices first, then the middles of the facets; each face of a crack or of the path with its own.
+    points : ndarray, shape (n, 2)
+        Nodes, mm.
+    triangles : ndarray, shape (m, 6)
+        Node numbers, corners first.
+    K : sparse array, shape (2 n, 2 n)
+        Stiffness, unsupported; the path's left face has the jumps against its right face as unknowns.
+    load : NodalLoad
+    u : ndarray, shape (n, 2)
+        Displacements, mm.
+    """
+
+    def __init__(self, mesh: PlateMesh, scene: Any) -> None:
+        """Assemble, factorise and solve."""
+        self.E, self.nu = scene.material.plane_stress_equivalent
+        slit = open_slits(mesh)
+        self.mesh = slit.mesh
+        self.points = self.mesh.doflocs.T
+        basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=4)
+        self.triangles = np.concatenate([self.mesh.t, self.mesh.nvertices + self.mesh.t2f[[0, 1, 2]]]).T
+        n = len(self.points)
+        # where a node's displacement is found while the path is closed
+        self._place = np.arange(n)
+        self._place[slit.left] = slit.right
+        # plane stress is plane strain with another first Lamé parameter
+        lam, mu = lame_parameters(self.E, self.nu)
+        K = linear_elasticity(2 * lam * mu / (lam + 2 * mu), mu).assemble(basis)
+        jump, follows = _components(slit.left), _components(slit.right)
+        to_displacements = sp.eye_array(2 * n, format="csr") + sp.csr_array(
+            (np.ones(len(jump)), (jump, follows)), shape=(2 * n, 2 * n)
+        )
+        self.K = (to_displacements.T @ K @ to_displacements).tocsr() if len(jump) else sp.csr_array(K)
+        self.load = plate_load(self.mesh, self.points, scene)
+        value = self.load.value.ravel().copy()
+        value[jump] = 0.0
+        force = to_displacements.T @ self.load.force.ravel()
+        self._solve(force, value, jump)
+        self.u = (to_displacements @ value).reshape(-1, 2)
+
+    def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
+        """Put the free displacements into ``value`` (2 n,), which holds the prescribed ones."""
+        free = np.setdiff1d(np.flatnonzero(~self.load.prescribed.ravel()), jump)
+        order = free[nested_dissection(self.K, free)]
+        value[order] = factorised(self.K, order).solve((force - self.K @ value)[order])
+
+    @cached_property
+    def nodal_stress(self) -> np.ndarray:
+        """Stress (n, 3) xx, yy, xy at the nodes with the path closed, MPa."""
+        closed = self._place[self.triangles]
+        edges = np.sort(closed[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        _, first, count = np.unique(edges @ [len(self.points), 1], return_index=True, return_counts=True)
+        interior = np.ones(len(self.points), dtype=bool)
+        interior[edges[first[count == 1]]] = False
+        C = plane_stress_stiffness(self.E, self.nu)
+        return recovered_stress(self.points, closed, self.u, C, interior)[self._place]
+
+    def stress(self, points: np.ndarray) -> np.ndarray:
+        """Stress (k, 3) xx, yy, xy at points (k, 2), MPa; NaN outside the material."""
+        node, weight, inside = self._locate(points)
+        stress = np.einsum("kn,knc->kc", weight, self.nodal_stress[node])
+        stress[~inside] = np.nan
+        return stress
+
+    def displacement(self, points: np.ndarray) -> np.ndarray:
+        """Displacements (k, 2) at points (k, 2), mm; outside the material those of the nearest element."""
+        node, weight, _ = self._locate(points)
+        return np.einsum("kn,kni->ki", weight, self.u[node])
+
+    def element_size(self, points: np.ndarray) -> np.ndarray:
+        """Square root of the area (k,) of the elements at points (k, 2), mm."""
+        a, b, c = self.points[self.triangles[self._tree.nearest(shapely.points(points)), :3]].swapaxes(0, 1)
+        return np.sqrt(0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]))
+
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree(shapely.polygons(self.points[self.triangles[:, :3]]))
+
+    def _locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodes (k, 6) of the nearest elements, their weights (k, 6), and whether points (k, 2) lie inside."""
+        nearest = self._tree.nearest(shapely.points(points))
+        node = self.triangles[nearest]
+        xi = triangle.reference_coordinates(self.points[node], points)
+        # not exactly 0: a quadratic edge follows its outline only so far
+        inside = np.minimum(xi.min(axis=1), 1 - xi.sum(axis=1)) > -0.02
+        return node, triangle.shape(xi), inside
+
+
+class SlitModel(PlateModel):
+    """A plate model whose trial path can open, from its mouth to any of its vertices.
+
+    Parameters are those of `PlateModel`; the mesh has a path.
+    """
+
+    def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
+        """Solve for the closed path, with one factorisation that also gives the path's stiffness."""
+        free = np.flatnonzero(~self.load.prescribed.ravel())
+        closed = np.setdiff1d(free, jump)
+        # a mouth on an edge that is held cannot open
+        opens = np.isin(jump, free)
+        self._jump_place = np.flatnonzero(opens) // 2
+        m = int(opens.sum())
+        order = np.concatenate([closed[nested_dissection(self.K, closed)], jump[opens]])
+        factor = factorised(self.K, order)
+        self._S = last_block(factor, m)
+        rhs = (force - self.K @ value)[order]
+        open_path = rhs.copy()
+        open_path[-m:] = 0.0
+        # what the jumps want to be is forced back to zero
+        closing = -self._S @ factor.solve(open_path)[-m:]
+        self._holding = rhs[-m:] - closing
+        rhs[-m:] = closing
+        value[order] = factor.solve(rhs)
+        value[order[-m:]] = 0.0
+
+    def released_energy(self) -> np.ndarray:
+        """Energy released per thickness (k,), N, by cracks whose tips are the path's k vertices."""
+        y = crack_factor(self._S, self._holding[:, None])[:, 0]
+        energy = np.concatenate([[0.0], 0.5 * np.cumsum(y**2)])
+        # a tip at vertex k frees the 2 k nodes before it, corners and midsides
+        vertices = np.arange(self._jump_place[-1] // 2 + 2)
+        return energy[np.searchsorted(self._jump_place, 2 * vertices)]
+
+
+def last_block(factor: SuperLU, m: int) -> np.ndarray:
+    """Stiffness (m, m) condensed to the last m unknowns of a factorisation.
+
+    Ten times faster than solving with one right-hand side for each of them.
+    """
+    # SuperLU reorders columns by their elimination tree, within the last block, too
+    last = factor.perm_c[-m:] - (factor.shape[0] - m)
+    L, U = (block[-m:, -m:].toarray() for block in (factor.L, factor.U))
+    S = (L @ U)[np.ix_(last, last)]
+    return (S + S.T) / 2
+
+
+def plane_stress_stiffness(E: float, nu: float) -> np.ndarray:
+    """Plane stress: sigma = C epsilon with epsilon = (xx, yy, gamma_xy)."""
+    return E / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+
+
+def principal_stress(sigma: np.ndarray) -> np.ndarray:
+    """Maximum principal stress of plane stresses (..., 3) given as xx, yy, xy.
+
+    Examples
+    --------
+    >>> principal_stress(np.array([[3.0, 1.0, 0.0], [0.0, 0.0, 2.0]]))
+    array([3., 2.])
+    """
+    xx, yy, xy = np.moveaxis(np.asarray(sigma, dtype=float), -1, 0)
+    return (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
+
+
+def _components(nodes: np.ndarray) -> np.ndarray:
+    """Numbers of both displacements of each node."""
+    return np.ravel(2 * nodes[:, None] + np.arange(2))
+
+
+def nested_dissection(K: sp.csr_array, free: np.ndarray) -> np.ndarray:
+    """Order of some unknowns that keeps their factor sparse: METIS on the graph of the nodes."""
+    import pymetis
+
+    nodes, of_node = np.unique(free // 2, return_inverse=True)
+    graph = K[::2, ::2][nodes][:, nodes].tocoo()
+    other = graph.row != graph.col
+    graph = sp.csr_array(
+        (np.ones(other.sum(), dtype=np.int8), (graph.row[other], graph.col[other])), graph.shape
+    )
+    _, rank = pymetis.nested_dissection(pymetis.CSRAdjacency(graph.indptr, graph.indices))
+    return np.argsort(np.asarray(rank)[of_node], kind="stable")
+
+
+def factorised(K: sp.csr_array, order: np.ndarray) -> SuperLU:
+    """LU of a symmetric positive definite part of a matrix, its unknowns in the given order, without pivoting."""
+    return splu(
+        K[order][:, order].tocsc(),
+        permc_spec="NATURAL",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )

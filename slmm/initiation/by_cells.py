@@ -1,0 +1,123 @@
+"""Methods slmm and slmm+ac: crack cells on a local model (Paper A, 2.3 and 2.4)."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from slmm.initiation.cells import Placed, cell_curves, place_cells, select_modes
+from slmm.initiation.local_model import LocalField, solve_local_model
+from slmm.initiation.meta_model import load_meta_model
+from slmm.initiation.placement import STOPPED
+from slmm.initiation.task import Answer, Task
+
+#: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number
+VOXELS_PER_RADIUS = 20
+FEWEST_VOXELS, MOST_VOXELS = 250**2, 2000**2
+
+CORNER = "no cell: sharp corner"
+TIP = "no cell: crack tip"
+CRACKED = "no cell: the scene has cracks, which cells and voxels do not see"
+
+
+def by_cells(task: Task, auto_control: bool) -> Answer:
+    """Answer of crack cells on the user's displacements, or on a voxel model of the scene."""
+    answer = Answer.empty(task.n, "slmm+ac" if auto_control else "slmm")
+    rows = rows_with_cells(task, answer)
+    if not len(rows):
+        return answer
+    local, provenance = local_field(task)
+    answer.provenance |= provenance
+    task.progress(0.6, f"{len(rows)} positions")
+    cells_on(local, task, auto_control, answer, rows)
+    return answer
+
+
+def rows_with_cells(task: Task, answer: Answer) -> np.ndarray:
+    """Positions that may have cells; the others get their status."""
+    answer.status[np.isfinite(task.where.corner)] = CORNER
+    answer.status[task.where.crack >= 0] = TIP
+    if task.scene.cracks:
+        answer.status[task.smooth] = CRACKED
+        return np.empty(0, dtype=int)
+    return np.flatnonzero(task.smooth)
+
+
+def local_field(task: Task) -> tuple[LocalField, dict[str, Any]]:
+    """The local model that the task gives or asks for, and its description for the result."""
+    if task.displacements is not None:
+        return task.displacements, {"local_model": "given displacements"}
+    if task.scene.analysis.local_model == "body-fitted":
+        from slmm.initiation.body_fitted import solve_body_fitted  # imports the finite element libraries
+
+        task.progress(0.0, "local model, body-fitted")
+        model = solve_body_fitted(task.scene)
+        return model, {"local_model": "body-fitted", "nodes": len(model.fine.points)}
+    return voxel_model(task)
+
+
+def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
+    """Solve the voxel model; its description for the result."""
+    voxels = voxel_count(task)
+    task.progress(0.0, f"local model, {voxels} voxels")
+    scene = task.scene
+    void = task.settings.void_stiffness or scene.analysis.void_stiffness
+    local = solve_local_model(scene.with_(analysis={"void_stiffness": void}), voxels)
+    return local, {
+        "local_model": "voxels",
+        "voxels": local.nx * local.ny,
+        "voxel_size": f"{local.hx:.6g} x {local.hy:.6g} mm",
+        "solver_iterations": local.iterations,
+    }
+
+
+def voxel_count(task: Task) -> int:
+    """Number of voxels that the scene asks for, or that the sharpest notch needs."""
+    scene, where = task.scene, task.where
+    if scene.analysis.voxels != "auto":
+        return int(scene.analysis.voxels)
+    sharpest = max(
+        float(np.max(-outline.curvatures(where.s[where.hole == k]), initial=0.0))
+        for k, outline in enumerate(scene.outlines)
+    )
+    area = scene.plate.width * scene.plate.height
+    wanted = area * (VOXELS_PER_RADIUS * sharpest) ** 2
+    return int(np.clip(wanted, FEWEST_VOXELS, MOST_VOXELS))
+
+
+def cells_on(local: LocalField, task: Task, auto_control: bool, answer: Answer, rows: np.ndarray) -> None:
+    """Fill the answer at some positions with what cells on a local model say."""
+    scene, where, settings = task.scene, task.where, task.settings
+    _, nu = scene.material.plane_stress_equivalent
+    meta = select_modes(load_meta_model(nu, task.database), settings.modes)
+    names = ("curvature", "cell_height", "control_weight", "edge_support", "misfit")
+    columns = [answer.column(name) for name in names]
+    for k, outline in enumerate(scene.outlines):
+        left = rows[where.hole[rows] == k]
+        # a wide cell is only asked where the fine one has no answer
+        for rule in dict.fromkeys((settings.fine, settings.wide)):
+            if len(left) == 0:
+                break
+            placed = place_cells(scene, outline, where.s[left], local, meta, settings, rule)
+            found = left[placed.rows]
+            note_reasons(answer, left, placed)
+            curves, weight, support = cell_curves(scene, outline, placed, meta, settings, auto_control)
+            answer.judge(found, curves, task, "crack longer than the cell")
+            values = (placed.curvature, placed.height, weight, support, placed.misfit)
+            for column, value in zip(columns, values, strict=True):
+                column[found] = value
+            left = left[answer.status[left] != "ok"]
+    answer.provenance |= {
+        "settings": json.dumps(settings.describe()),
+        "database": task.database.name,
+        "database_checksum": meta.checksum,
+    }
+
+
+def note_reasons(answer: Answer, rows: np.ndarray, placed: Placed) -> None:
+    """Say why there is no cell at some of the positions, unless something has been said before."""
+    without = np.setdiff1d(np.arange(len(rows)), placed.rows)
+    for i, code in zip(rows[without], placed.stopped[without], strict=True):
+        answer.status[i] = answer.status[i] or f"no cell: {STOPPED[code]}"

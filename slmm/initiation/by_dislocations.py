@@ -1,0 +1,92 @@
+"""Method dislocations: stress from a body-fitted model, energy from the database and the surroundings' answer."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from slmm.fem.plate_model import principal_stress
+from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
+from slmm.initiation.curves import PathCurves, path_points
+from slmm.initiation.dislocations import DislocationCurves, DislocationModel
+from slmm.initiation.face_compliance import load_face_compliance
+from slmm.initiation.meta_model import polynomial_matrix
+from slmm.initiation.task import Answer, Task
+
+#: element size of the coarser mesh at a position over the longest crack, and least one over the outline's length
+SIZE_PER_CRACK, SIZE_PER_OUTLINE = 0.25, 1 / 120
+#: longest crack as a share of the ligament: beyond, the opposite surface is too near for the samples of its answer
+IN_LIGAMENT = 0.6
+#: positions whose dipoles are solved for at once
+CHUNK = 64
+
+SINGULAR = "a corner or crack tip, where dislocations do not start"
+TOO_SHORT = "crack longer than the dislocations reach"
+
+
+def by_dislocations(task: Task) -> Answer:
+    """Answer from one body-fitted model of the uncracked part."""
+    answer = Answer.empty(task.n, "dislocations")
+    answer.status[~task.smooth] = SINGULAR
+    rows = np.flatnonzero(task.smooth)
+    if len(rows):
+        task.progress(0.0, "body-fitted model")
+        dislocations_on(body_fitted_model(task.among(rows)), task, answer, rows)
+    return answer
+
+
+def body_fitted_model(task: Task) -> BodyFitted:
+    """The uncracked part, fine where the positions' cracks start."""
+    where, scene = task.where, task.scene
+    length = np.array([outline.length for outline in scene.outlines])[where.hole]
+    size = np.maximum(SIZE_PER_CRACK * task.paths.longest, SIZE_PER_OUTLINE * length)
+    return solve_body_fitted(scene, fine_at=(where.points, size))
+
+
+def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndarray) -> None:
+    """Fill the answer at some positions."""
+    scene, where = task.scene, task.where
+    compliance = load_face_compliance(task.database, task.database.stat().st_mtime)
+    dislocations = DislocationModel(scene, model, compliance)
+    radius = answer.column("reference_radius")
+    left, paths = rows, task.paths
+    for _ in range(2):
+        for chunk in np.array_split(left, -(-len(left) // CHUNK)):
+            task.progress(0.2, f"dislocations, {len(left)} positions")
+            trials = [
+                dislocations.trial(
+                    scene.outlines[where.hole[i]],
+                    float(where.s[i]),
+                    min(paths.longest[i], IN_LIGAMENT * paths.ligament[i]),
+                )
+                for i in chunk
+            ]
+            for i, found in zip(chunk, dislocations.curves(trials), strict=True):
+                radius[i] = found.radius
+                answer.judge(np.array([i]), sampled(found), task, TOO_SHORT)
+        # once more with longer cracks where they are too short and may be longer
+        reached = answer.curves.a[:, -1]
+        left = rows[(answer.status[rows] == TOO_SHORT) & (reached[rows] > 0.999 * paths.longest[rows])]
+        if not len(left):
+            break
+        paths = paths.lengthened()
+    answer.provenance |= {
+        "local_model": "body-fitted",
+        "nodes": len(model.fine.points),
+        "database": task.database.name,
+    }
+
+
+def sampled(found: DislocationCurves) -> PathCurves:
+    """The curves of one path (1, CURVE_POINTS)."""
+    a = path_points(found.a[-1:])
+    reached = np.maximum(a, found.a[0])
+    # G_inc rises linearly from zero: G_inc/a is what interpolates well
+    per_length = PchipInterpolator(found.a, found.G_inc / found.a)(reached)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(found.G_inc > 0, np.abs(found.G_inc_change / found.G_inc), 0.0)
+    at_points = polynomial_matrix(found.eta, a[0])
+    sigma, change = at_points @ found.sigma, at_points @ found.sigma_change
+    principal = principal_stress(sigma)
+    largest = np.abs(change).max(axis=1) / np.maximum(np.abs(principal), 1e-300)
+    return PathCurves(a, per_length * a, principal[None], np.interp(a, found.a, relative), largest[None])

@@ -1,0 +1,74 @@
+"""Method full-fea: a body-fitted model with a true slit for every position."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from slmm.initiation.curves import PathCurves, path_points
+from slmm.initiation.full_fea import FullFEA, full_fea_curves
+from slmm.initiation.task import Answer, Task
+
+#: crack lengths of a path, and the longest over the shortest
+LENGTHS, SPAN = 25, 120.0
+
+TOO_SHORT = "crack longer than the path"
+
+
+def by_full_fea(task: Task) -> Answer:
+    """Answer position by position."""
+    answer = Answer.empty(task.n, "full-fea")
+    for i in range(task.n):
+        task.progress(i / task.n, f"full FEA, position {i + 1} of {task.n}")
+        for paths in (task.paths, task.paths.lengthened()):
+            longest = float(paths.longest[i])
+            try:
+                model = full_fea_curves(
+                    task.scene,
+                    a_max=longest,
+                    n_lengths=LENGTHS,
+                    a_min=longest / SPAN,
+                    start=paths.start[i],
+                    direction=paths.direction[i],
+                    singular=not task.smooth[i],
+                )
+            except (ValueError, RuntimeError) as error:
+                answer.status[i] = f"no mesh: {error}"
+                break
+            answer.judge(np.array([i]), sampled(model, float(task.where.corner[i])), task, TOO_SHORT)
+            if answer.status[i] == "ok" or task.paths.lengthened().longest[i] <= task.paths.longest[i]:
+                break
+    for k, outline in enumerate(task.scene.outlines):
+        smooth = task.smooth & (task.where.hole == k)
+        answer.column("curvature")[smooth] = 0.5 * outline.curvatures(task.where.s[smooth])
+    answer.provenance |= {"local_model": "body-fitted, with a slit for each position"}
+    return answer
+
+
+def sampled(model: FullFEA, corner: float) -> PathCurves:
+    """The curves of one path (1, CURVE_POINTS).
+
+    Parameters
+    ----------
+    model : FullFEA
+    corner : float
+        Opening angle where the path starts at a corner or, 0, at a crack tip, rad; NaN at a smooth surface.
+    """
+    a = path_points(model.a[-1:])
+    logarithm = np.log(np.maximum(a, model.a[0]))
+    energy = CubicSpline(np.log(model.a), np.log(np.maximum(model.G_inc, 1e-300)))
+    # below the shortest crack the power law goes on: linear at a smooth surface, constant at a crack tip
+    exponent = 0.0 if corner == 0 else 1.0 if np.isnan(corner) else float(energy(np.log(model.a[0]), 1))
+    G = np.exp(energy(logarithm)) * np.where(a < model.a[0], a / model.a[0], 1.0) ** exponent
+    if np.isnan(corner):
+        sigma = CubicSpline(model.eta, model.sigma_I)(a)
+        sigma_error = np.interp(a, model.eta, model.sigma_I_error)
+    else:
+        # infinite at the mouth, where the model has none
+        sigma = np.exp(np.interp(logarithm, np.log(model.eta), np.log(np.maximum(model.sigma_I, 1e-300))))
+        sigma_error = np.interp(a, model.eta, model.sigma_I_error)
+        sigma[a < model.a[0]] = np.inf
+    G_error = np.interp(a, model.a, model.G_inc_error / np.maximum(model.G_inc, 1e-300))
+    with np.errstate(invalid="ignore"):
+        relative = np.where(np.isfinite(sigma), sigma_error / np.maximum(np.abs(sigma), 1e-300), 0.0)
+    return PathCurves(a, G, sigma, G_error, relative)

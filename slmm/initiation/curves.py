@@ -1,0 +1,123 @@
+"""Energy and stress along the trial paths of some positions, with estimates of their errors, and the index's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from slmm.initiation.criterion import BOTH, ENERGY, NONE, critical_load, stress_over_crack
+from slmm.material import Material
+
+#: points of the curves along a crack path, dense towards the surface
+CURVE_POINTS = 201
+
+
+@dataclass(frozen=True)
+class PathCurves:
+    """What a method says about n positions, at CURVE_POINTS points of each path.
+
+    Attributes
+    ----------
+    a : ndarray (n, CURVE_POINTS)
+        Crack length and, alike, distance from the notch, mm, ascending from 0; NaN where there is no curve.
+    G_inc : ndarray (n, CURVE_POINTS)
+        Incremental energy release rate, N/mm.
+    sigma_I : ndarray (n, CURVE_POINTS)
+        Maximum principal stress without the new crack, MPa; inf at a corner or a crack tip.
+    G_error, sigma_error : ndarray (n, CURVE_POINTS)
+        Estimates of the relative errors; NaN where the method has none.
+    """
+
+    a: np.ndarray
+    G_inc: np.ndarray
+    sigma_I: np.ndarray
+    G_error: np.ndarray
+    sigma_error: np.ndarray
+
+    @classmethod
+    def empty(cls, n: int) -> PathCurves:
+        """Curves without values."""
+        return cls(*(np.full((n, CURVE_POINTS), np.nan) for _ in fields(cls)))
+
+    def rows(self, rows: np.ndarray) -> PathCurves:
+        """The curves of some positions."""
+        return PathCurves(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    def put(self, rows: np.ndarray, other: PathCurves) -> None:
+        """Take over the curves of another method at some positions."""
+        for field in fields(self):
+            getattr(self, field.name)[rows] = getattr(other, field.name)
+
+
+@dataclass(frozen=True)
+class Critical:
+    """The criterion applied to n positions.
+
+    Attributes
+    ----------
+    load_factor, crack_length : ndarray (n,)
+        NaN where the curves end before both conditions meet; infinite load factor where there is no tension.
+    governed_by : ndarray (n,) of int
+        Index into `criterion.GOVERNED_BY`.
+    error : ndarray (n,)
+        Estimate of the relative error of the load factor and of the failure index.
+    """
+
+    load_factor: np.ndarray
+    crack_length: np.ndarray
+    governed_by: np.ndarray
+    error: np.ndarray
+
+
+def criticals(curves: PathCurves, material: Material, average: bool) -> Critical:
+    """Apply the coupled criterion to every position that has curves."""
+    n = len(curves.a)
+    load_factor, length, error = (np.full(n, np.nan) for _ in range(3))
+    code = np.full(n, NONE)
+    with np.errstate(invalid="ignore"):
+        strength = stress_over_crack(curves.a, curves.sigma_I, average)
+    for i in np.flatnonzero(np.isfinite(curves.a[:, -1])):
+        load_factor[i], length[i], code[i] = critical_load(
+            curves.a[i], curves.G_inc[i], strength[i], material.G_c, material.sigma_c
+        )
+        error[i] = _index_error(
+            curves.a[i],
+            curves.G_inc[i],
+            strength[i],
+            curves.G_error[i],
+            curves.sigma_error[i],
+            length[i],
+            code[i],
+        )
+    return Critical(load_factor, length, code, error)
+
+
+def _index_error(a, G_inc, strength, G_error, sigma_error, length, code):
+    """Relative error of the load factor from those of the curves at the critical length.
+
+    Where both curves meet, lf^2 G(a) = G_c and lf sigma(a) = sigma_c; with the slopes q = d ln G/d ln a and
+    p = -d ln sigma/d ln a, errors e_G and e_s change ln lf by -(q e_s + p e_G)/(q + 2 p).
+    """
+    if not np.isfinite(length):
+        return np.nan
+    at = max(length, a[1])
+    # the curve's interval around it decides the slopes; a crack of no length has only the stress
+    low, high = 0.8 * at, min(1.25 * at, a[-1])
+    near = np.unique(np.clip(np.searchsorted(a, [low, at, high]), 1, len(a) - 1))
+    e_G, e_s = np.max(G_error[near]), np.max(sigma_error[near])
+    if code == ENERGY:
+        return 0.5 * e_G
+    if code != BOTH or len(near) < 2:
+        return e_s
+    first, last = near[0], near[-1]
+    span = np.log(a[last] / a[first])
+    q = np.log(max(G_inc[last], 1e-300) / max(G_inc[first], 1e-300)) / span
+    p = np.log(max(strength[first], 1e-300) / max(strength[last], 1e-300)) / span
+    q, p = max(q, 1e-6), max(p, 0.0)
+    return (q * e_s + p * e_G) / (q + 2 * p)
+
+
+def path_points(a_max: np.ndarray) -> np.ndarray:
+    """Points (n, CURVE_POINTS) from 0 to a_max (n,), dense towards the surface, mm."""
+    return a_max[:, None] * np.linspace(0.0, 1.0, CURVE_POINTS) ** 2

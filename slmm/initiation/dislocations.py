@@ -1,0 +1,340 @@
+"""Crack initiation from the uncracked part alone: the trial crack as dislocations in a body-fitted model.
+
+By superposition the energy released by a crack is half the work of the stress on its path, in the uncracked part, on
+the opening of its faces. The opening follows from the compliance of the faces. For a crack at a circular hole, or at
+a straight edge, of an unbounded body the database holds it (`face_compliance`). The part differs from such a body:
+its outline has another shape further away, it has edges, supports and other notches. What these answer to an open
+crack is the field that brings the closed-form field of the crack's dislocations (`dipole`) into line with the part's
+true boundary; it has no singularity, and back substitutions in the model of the uncracked part give it:
+
+    C^-1 = C_unbounded^-1 - D,    D(eta, eta') = stress at eta by what answers a dipole at eta'
+
+This replaces the auto control's mix of two bounds by the true stiffness of the surroundings, and needs no cell that
+fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+from numpy.polynomial import legendre
+
+from slmm.fem.boundary import plate_body
+from slmm.fem.boundary_stiffness import BoundaryStiffness
+from slmm.fem.plate_model import PlateModel
+from slmm.initiation.body_fitted import BodyFitted
+from slmm.initiation.dipole import dipoles_on_boundary, mirror_stress
+from slmm.initiation.face_compliance import LONGEST, FaceCompliance, legendre_coefficients
+from slmm.initiation.meta_model import polynomial_matrix
+
+#: dipoles that sample D, Chebyshev points over the longest crack but for its first part: D is smooth, and a mesh
+#: resolves it best where the depth is not small
+DIPOLES, FIRST_DEPTH = 6, 0.1
+#: depths of the path stress
+STRESS_POINTS = 14
+#: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
+LENGTHS, SHORTEST = 24, 1 / 100
+#: a mirrored crack keeps a distance from the material of this share of its depth, and the hole's centre of its radius
+CLEARANCE = 0.5
+
+
+@dataclass(frozen=True)
+class DislocationCurves:
+    """Curves along one trial path, extrapolated from two meshes, with the last change beside.
+
+    Attributes
+    ----------
+    a : ndarray (LENGTHS,)
+        Crack lengths, mm.
+    G_inc : ndarray (LENGTHS,)
+        Incremental energy release rate, N/mm; 0 where the crack would be closed.
+    G_inc_change : ndarray (LENGTHS,)
+        What the extrapolation changed, N/mm.
+    eta : ndarray (STRESS_POINTS,)
+        Depths, mm.
+    sigma, sigma_change : ndarray (STRESS_POINTS, 3)
+        Stress xx, yy, xy of the uncracked part, MPa, and what the extrapolation changed.
+    radius : float
+        Of the hole of the unbounded body that was corrected, mm; inf for a straight edge.
+    """
+
+    a: np.ndarray
+    G_inc: np.ndarray
+    G_inc_change: np.ndarray
+    eta: np.ndarray
+    sigma: np.ndarray
+    sigma_change: np.ndarray
+    radius: float
+
+
+class Boundary:
+    """A model's boundary: its stiffness, and Gauss points on its curved edges for what acts there.
+
+    Parameters
+    ----------
+    model : PlateModel
+        Of the uncracked part.
+    """
+
+    def __init__(self, model: PlateModel):
+        """Condense the model and gather its outer edges, the body on their left."""
+        self.stiffness = BoundaryStiffness(model)
+        nodes = self.stiffness.nodes
+        self.at = np.ascontiguousarray(model.points[nodes])
+        self.supports = model.load.supports[nodes]
+        self.mu, self.kappa = model.E / (2 * (1 + model.nu)), (3 - model.nu) / (1 + model.nu)
+        mesh = model.mesh
+        facets = mesh.boundary_facets()
+        ends = mesh.facets[:, facets].copy()
+        inner = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
+        a, b = mesh.p[:, ends[0]], mesh.p[:, ends[1]]
+        turned = (b - a)[0] * (inner - a)[1] < (b - a)[1] * (inner - a)[0]
+        ends[:, turned] = ends[::-1, turned]
+        edges = np.stack([ends[0], mesh.nvertices + facets, ends[1]], axis=1)
+        x, w = legendre.leggauss(4)
+        self.shape = np.stack([x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2], axis=1)
+        slope = np.stack([x - 0.5, -2 * x, x + 0.5], axis=1)
+        along = np.einsum("qn,eni->eqi", slope, model.points[edges])
+        self.points = np.einsum("qn,eni->eqi", self.shape, model.points[edges]).reshape(-1, 2)
+        self.normals = (np.stack([along[..., 1], -along[..., 0]], axis=-1) * w[:, None]).reshape(-1, 2)
+        self.edges = np.searchsorted(nodes, edges)
+
+    def nodal_forces(self, traction: np.ndarray) -> np.ndarray:
+        """Consistent forces (b, 2, k) on the boundary nodes from forces (q, 2, k) at the Gauss points."""
+        k = traction.shape[-1]
+        per_edge = np.einsum("qn,eqik->enik", self.shape, traction.reshape(len(self.edges), -1, 2, k))
+        force = np.zeros((len(self.at), 2, k))
+        np.add.at(force, self.edges, per_edge)
+        return force
+
+
+class Trial(NamedTuple):
+    """A trial path and the unbounded body it is compared with."""
+
+    origin: np.ndarray  # mouth (2,), mm
+    along: np.ndarray  # unit vector into the material
+    longest: float  # crack, mm
+    radius: float  # of the body's hole, mm; inf for a straight edge
+    curvature: float  # of the notch, 1/mm, negative at a hole
+
+    @property
+    def depths(self) -> np.ndarray:
+        """Where dipoles sample the answer of the surroundings, mm."""
+        chebyshev = 0.5 * (1 - np.cos(np.pi * (np.arange(DIPOLES) + 0.5) / DIPOLES))
+        return self.longest * (FIRST_DEPTH + (1 - FIRST_DEPTH) * chebyshev)
+
+    @property
+    def eta(self) -> np.ndarray:
+        """Depths of the path stress, mm."""
+        return self.longest * (1 - np.cos(np.pi * np.arange(STRESS_POINTS) / (STRESS_POINTS - 1))) / 2
+
+
+def answers_of_surroundings(boundary: Boundary, trials: Sequence[Trial]) -> list[np.ndarray]:
+    """Stress on each path by what answers dipoles at its k depths: (2 k, 2 k), opening before sliding, MPa/mm^2.
+
+    By reciprocity it is the work of one dipole's tractions and displacements on the boundary with the other's
+    answer: the answer's stress inside the body is not needed.
+    """
+    force, moved = [], []
+    for trial in trials:
+        traction, u = dipoles_on_boundary(
+            boundary.points,
+            boundary.normals,
+            boundary.at,
+            trial.origin,
+            trial.along,
+            trial.depths,
+            trial.radius,
+            boundary.mu,
+            boundary.kappa,
+        )
+        force.append(boundary.nodal_forces(traction))
+        moved.append(u)
+    all_moved = np.concatenate(moved, axis=-1)
+    # supports that only fix the rigid motion carry no reaction
+    value = np.where(boundary.supports[..., None], 0.0, -all_moved)
+    u, reaction = boundary.stiffness.response(-np.concatenate(force, axis=-1), value)
+    result = []
+    for k, (f, v) in enumerate(zip(force, moved, strict=True)):
+        mine = slice(k * f.shape[-1], (k + 1) * f.shape[-1])
+        work = np.einsum("bik,bil->kl", f, u[..., mine]) - np.einsum("bik,bil->kl", v, reaction[..., mine])
+        result.append(-(work + work.T) / 2)
+    return result
+
+
+class DislocationModel:
+    """Curves at any position of a part, from one body-fitted model of it.
+
+    Parameters
+    ----------
+    scene : Scene
+        ``plate``, ``outlines`` and ``material`` are used.
+    model : BodyFitted
+        Of the uncracked part.
+    compliance : FaceCompliance
+        Of the unbounded bodies.
+    """
+
+    def __init__(self, scene: Any, model: BodyFitted, compliance: FaceCompliance):
+        """Gather the boundaries of both meshes."""
+        self.scene, self.model, self.compliance = scene, model, compliance
+        self.boundaries = Boundary(model.coarse), Boundary(model.fine)
+        self.body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
+        shapely.prepare(self.body)
+
+    def reference_radius(self, origin: np.ndarray, along: np.ndarray, curvature: float) -> float:
+        """Radius of the hole that stands for the notch, mm; inf where a straight edge does better.
+
+        The osculating circle, if its centre lies well within the notch: there its mirrored cracks end.
+        """
+        if curvature >= 0:
+            return np.inf
+        radius = -1 / curvature
+        clear = shapely.distance(self.body, shapely.Point(origin - radius * along)) >= CLEARANCE * radius
+        return radius if clear else np.inf
+
+    def reach(self, origin: np.ndarray, along: np.ndarray, radius: float, a_max: float) -> float:
+        """Longest crack up to a_max, mm, that is not too long for the radius and whose mirror stays in the notch."""
+        a_max = min(a_max, LONGEST * radius)
+        while True:
+            mirror = a_max if np.isinf(radius) else radius * a_max / (radius + a_max)
+            distance = shapely.distance(self.body, shapely.Point(origin - mirror * along))
+            if distance >= CLEARANCE * mirror:
+                return a_max
+            a_max *= 0.8
+
+    def trial(self, outline: Any, s: float, a_max: float) -> Trial:
+        """The path normal to an outline at the arc length s, for cracks up to a_max, mm, or as far as they can go."""
+        origin, along, curvature = outline.points(s), outline.normals(s), float(outline.curvatures(s))
+        radius = self.reference_radius(origin, along, curvature)
+        return Trial(origin, along, self.reach(origin, along, radius, a_max), radius, curvature)
+
+    def curves(self, trials: Sequence[Trial]) -> list[DislocationCurves]:
+        """Curves of some paths."""
+        coarse, fine = (
+            self._of_mesh(model, boundary, trials)
+            for model, boundary in zip((self.model.coarse, self.model.fine), self.boundaries, strict=True)
+        )
+        result = []
+        for trial, (before, stress_before), (G, stress) in zip(trials, coarse, fine, strict=True):
+            # the energy's error follows that of the stress, which is cubic in the element size
+            change, stress_change = (G - before) / 7, (stress - stress_before) / 7
+            G_inc = np.where(G > 0, np.maximum(G + change, 0.0), 0.0)
+            result.append(
+                DislocationCurves(
+                    _lengths(trial),
+                    G_inc,
+                    change,
+                    trial.eta,
+                    stress + stress_change,
+                    stress_change,
+                    trial.radius,
+                )
+            )
+        return result
+
+    def _of_mesh(
+        self, model: PlateModel, boundary: Boundary, trials: Sequence[Trial]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """G_inc (LENGTHS,) and stress (STRESS_POINTS, 3) of each path from one of the meshes."""
+        points = np.concatenate([trial.origin + trial.eta[:, None] * trial.along for trial in trials])
+        stress = model.stress(points).reshape(len(trials), -1, 3)
+        result = []
+        for trial, sigma, D in zip(trials, stress, answers_of_surroundings(boundary, trials), strict=True):
+            a = _lengths(trial)
+            C = self.compliance(a, trial.radius) / model.E
+            across = np.array([-trial.along[1], trial.along[0]])
+            traction = np.stack([_component(sigma, across, across), _component(sigma, trial.along, across)])
+            bend = _Bend(trial.curvature if np.isinf(trial.radius) else 0.0, boundary)
+            result.append((released(a, C, D, trial.depths, trial.eta, traction, bend), sigma))
+        return result
+
+
+def _lengths(trial: Trial) -> np.ndarray:
+    return np.geomspace(SHORTEST * trial.longest, trial.longest, LENGTHS)
+
+
+class _Bend:
+    """What a notch's curvature adds to a straight edge: near the mouth not smooth, but known.
+
+    To leading order a surface that bends the other way adds the opposite.
+    """
+
+    def __init__(self, curvature: float, boundary: Boundary):
+        self.curvature = curvature
+        self.mu, self.kappa = boundary.mu, boundary.kappa
+
+    def __call__(self, at: np.ndarray) -> np.ndarray:
+        """Stress (2, n, n) at depths by dipoles at the same depths (n,), opening and sliding, MPa/mm^2."""
+        if self.curvature == 0:
+            return np.zeros((2, len(at), len(at)))
+        stress = mirror_stress(at, at, 1 / abs(self.curvature), self.mu, self.kappa)
+        return -np.sign(self.curvature) * stress
+
+
+def released(
+    a: np.ndarray,
+    C: np.ndarray,
+    D: np.ndarray,
+    depths: np.ndarray,
+    eta: np.ndarray,
+    traction: np.ndarray,
+    bend: _Bend,
+) -> np.ndarray:
+    """Incremental energy release rate (n,), N/mm, of cracks of lengths a (n,).
+
+    Parameters
+    ----------
+    a : ndarray (n,)
+        Crack lengths, mm.
+    C : ndarray (n, 2, k, k)
+        Compliance of the faces in the unbounded body for Legendre tractions, mm^2/MPa.
+    D : ndarray (2 m, 2 m)
+        Stress by what the surroundings answer, sampled at depths (m,), MPa/mm^2.
+    depths, eta : ndarray (m,), (q,)
+        Where D and the stress are sampled, mm.
+    traction : ndarray (2, q)
+        Normal and shear stress on the uncracked path, MPa.
+    bend : _Bend
+        The part of D that is not smooth.
+    """
+    n, k, m = len(a), C.shape[-1], len(depths)
+    t, w = legendre.leggauss(24)
+    # dense towards the mouth, where the bend is singular
+    x, w = 2 * ((t + 1) / 2) ** 2 - 1, w * (t + 1)
+    project = legendre_coefficients(k, x, w)
+    at = a[:, None] * (x + 1) / 2
+    smooth, near = D.copy(), bend(depths)
+    smooth[:m, :m] -= near[0]
+    smooth[m:, m:] -= near[1]
+    p = np.einsum("kq,nqe,de->ndk", project, _polynomials(eta, at), traction).reshape(n, 2 * k)
+    basis = project @ _polynomials(depths, at)
+    lift, compliance = np.zeros((n, 2 * k, 2 * m)), np.zeros((n, 2 * k, 2 * k))
+    lift[:, :k, :m] = lift[:, k:, m:] = basis
+    compliance[:, :k, :k], compliance[:, k:, k:] = C.swapaxes(0, 1)
+    answer = lift @ smooth @ lift.swapaxes(1, 2)
+    bent = project @ np.stack([bend(points) for points in at]) @ project.T
+    answer[:, :k, :k] += bent[:, 0]
+    answer[:, k:, k:] += bent[:, 1]
+    opening = np.linalg.solve(np.eye(2 * k) - compliance @ answer, compliance @ p[..., None])[..., 0]
+    # P_0's work is the mean opening: a crack that closes releases nothing
+    return np.where(opening[:, 0] > 0, 0.5 * np.einsum("nk,nk->n", p, opening) / a, 0.0)
+
+
+def _polynomials(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """From values at ``nodes`` (k,) to those of the polynomial through them at ``at`` (n, q), shape (n, q, k)."""
+    return polynomial_matrix(nodes, at.ravel()).reshape(*at.shape, len(nodes))
+
+
+def _component(sigma: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Component (n,) of stresses (n, 3) xx, yy, xy in two directions."""
+    xx, yy, xy = sigma.T
+    return (
+        xx * first[0] * second[0]
+        + yy * first[1] * second[1]
+        + xy * (first[0] * second[1] + first[1] * second[0])
+    )

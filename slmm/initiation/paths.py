@@ -1,0 +1,74 @@
+"""Trial crack paths: where they start, where they go, and how far they may."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from slmm.initiation.positions import Positions
+from slmm.scene import Scene
+
+#: longest trial crack in Irwin's lengths: at a straight edge a_c is 0.51 of them, in falling stress less
+IN_IRWIN_LENGTHS = 0.7
+#: where that is too short, as for the averaged stress or under bending: so much longer
+LONGER = 4.0
+#: and as a share of the ligament
+IN_LIGAMENT = 0.8
+
+
+class Paths(NamedTuple):
+    """Straight trial paths at some positions.
+
+    Attributes
+    ----------
+    start, direction : ndarray (n, 2)
+        The mouth, mm, and the unit vector into the material.
+    ligament : ndarray (n,)
+        Distance along the path to the next surface, mm.
+    longest : ndarray (n,)
+        Longest trial crack, mm.
+    """
+
+    start: np.ndarray
+    direction: np.ndarray
+    ligament: np.ndarray
+    longest: np.ndarray
+
+    def lengthened(self) -> Paths:
+        """The same paths with longer trial cracks, where the ligament allows it."""
+        return self._replace(longest=np.minimum(LONGER * self.longest, IN_LIGAMENT * self.ligament))
+
+
+def trial_paths(scene: Scene, where: Positions) -> Paths:
+    """Paths normal to the outlines, along the bisector at corners, straight on at crack tips."""
+    n = len(where.s)
+    direction = np.empty((n, 2))
+    for k, outline in enumerate(scene.outlines):
+        on_k = where.hole == k
+        direction[on_k] = outline.normals(where.s[on_k])
+    for k, crack in enumerate(scene.cracks):
+        last, tip = np.array(crack.points[-2]), np.array(crack.points[-1])
+        direction[where.crack == k] = (tip - last) / np.linalg.norm(tip - last)
+    ligament = ligaments(scene, where.points, direction)
+    longest = np.minimum(IN_IRWIN_LENGTHS * scene.material.irwin_length, IN_LIGAMENT * ligament)
+    return Paths(where.points, direction, ligament, longest)
+
+
+def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Distances (n,) from surface points (n, 2) along directions (n, 2) to the next surface or crack, mm."""
+    plate = shapely.box(0, 0, scene.plate.width, scene.plate.height)
+    holes = shapely.union_all([shapely.Polygon(outline.polygon(2000)) for outline in scene.outlines])
+    body = plate.difference(holes)
+    cracks = shapely.MultiLineString([list(crack.points) for crack in scene.cracks])
+    reach = scene.plate.width + scene.plate.height
+    start = points + 1e-4 * reach * direction
+    rays = shapely.linestrings(np.stack([start, points + reach * direction], axis=1))
+    result = np.empty(len(points))
+    for i, inside in enumerate(shapely.difference(shapely.intersection(rays, body), cracks)):
+        pieces = list(getattr(inside, "geoms", [inside]))
+        origin = shapely.Point(start[i])
+        first = min(pieces, key=lambda piece: piece.distance(origin))
+        result[i] = first.length + 1e-4 * reach if first.distance(origin) < 1e-6 * reach else 1e-4 * reach
+    return result

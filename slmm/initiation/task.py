@@ -1,0 +1,158 @@
+"""What is asked of a method, and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slmm.initiation.criterion import NONE
+from slmm.initiation.curves import PathCurves, criticals
+from slmm.initiation.paths import Paths
+from slmm.initiation.positions import Positions
+from slmm.initiation.settings import Settings
+from slmm.scene import Scene
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Task:
+    """Failure indices of a scene at some positions.
+
+    Attributes
+    ----------
+    scene : Scene
+    where : Positions
+    paths : Paths
+    average : bool
+        Compare the mean stress over the crack with the strength.
+    tolerance : float
+        Relative error of the failure index that auto aims at.
+    settings : Settings
+        Of the crack cells.
+    database : Path
+        Of the crack cells.
+    displacements : object with ``displacement(points)``, optional
+        The user's own model of the uncracked part, in place of ours.
+    progress : callable
+    """
+
+    scene: Scene
+    where: Positions
+    paths: Paths
+    average: bool
+    tolerance: float
+    settings: Settings
+    database: Path
+    displacements: Any
+    progress: Progress
+
+    @property
+    def n(self) -> int:
+        """Number of positions."""
+        return len(self.where.s)
+
+    @property
+    def smooth(self) -> np.ndarray:
+        """Which positions (n,) lie neither at a corner nor at a crack tip."""
+        return np.isnan(self.where.corner)
+
+    def among(self, rows: np.ndarray) -> Task:
+        """The same for some of the positions."""
+        where = Positions(*(values[rows] for values in self.where))
+        paths = Paths(*(values[rows] for values in self.paths))
+        return Task(**{**self.__dict__, "where": where, "paths": paths})
+
+    def with_paths(self, paths: Paths) -> Task:
+        """The same with other paths."""
+        return Task(**{**self.__dict__, "paths": paths})
+
+
+@dataclass
+class Answer:
+    """What a method found at n positions; filled row by row.
+
+    Attributes
+    ----------
+    load_factor, crack_length, error : ndarray (n,)
+        NaN where there is no value; ``error`` is the relative one, as the method itself estimates it.
+    governed_by : ndarray (n,) of int
+        Index into `criterion.GOVERNED_BY`.
+    status, method, reason : ndarray (n,) of str
+        "ok" or why there is no value; which method gave it; why this one.
+    curves : PathCurves
+    columns : dict of str to ndarray (n,)
+        What only some methods have.
+    provenance : dict
+        Attributes of the result.
+    """
+
+    load_factor: np.ndarray
+    crack_length: np.ndarray
+    error: np.ndarray
+    governed_by: np.ndarray
+    status: np.ndarray
+    method: np.ndarray
+    reason: np.ndarray
+    curves: PathCurves
+    columns: dict[str, np.ndarray] = field(default_factory=dict)
+    provenance: dict[str, object] = field(default_factory=dict)
+
+    @classmethod
+    def empty(cls, n: int, method: str) -> Answer:
+        """No value anywhere yet."""
+
+        def nothing() -> np.ndarray:
+            return np.full(n, np.nan)
+
+        def text(word: str) -> np.ndarray:
+            return np.full(n, word, dtype=object)
+
+        return cls(
+            load_factor=nothing(),
+            crack_length=nothing(),
+            error=nothing(),
+            governed_by=np.full(n, NONE),
+            status=text(""),
+            method=text(method),
+            reason=text(""),
+            curves=PathCurves.empty(n),
+        )
+
+    def judge(self, rows: np.ndarray, curves: PathCurves, task: Task, too_short: str) -> None:
+        """Apply the coupled criterion to the curves of some positions.
+
+        Parameters
+        ----------
+        rows : ndarray of int
+            The positions.
+        curves : PathCurves
+            Of these positions; all of them have values.
+        task : Task
+        too_short : str
+            The status where the curves end before both conditions meet.
+        """
+        found = criticals(curves, task.scene.material, task.average)
+        self.load_factor[rows] = found.load_factor
+        self.crack_length[rows] = found.crack_length
+        self.governed_by[rows] = found.governed_by
+        self.error[rows] = found.error
+        self.status[rows] = np.where(np.isnan(found.load_factor), too_short, "ok")
+        self.curves.put(rows, curves)
+
+    def column(self, name: str) -> np.ndarray:
+        """A column by its name, made when it is not there yet."""
+        return self.columns.setdefault(name, np.full(len(self.status), np.nan))
+
+    def take(self, rows: np.ndarray, other: Answer) -> None:
+        """Take over another method's answer for some positions; ``other`` has just these."""
+        for name in ("load_factor", "crack_length", "error", "governed_by", "status", "method", "reason"):
+            getattr(self, name)[rows] = getattr(other, name)
+        self.curves.put(rows, other.curves)
+        for name, values in other.columns.items():
+            self.column(name)[rows] = values
+        self.provenance |= other.provenance
