@@ -19,16 +19,17 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS  # the package itself has imported it
+
 if TYPE_CHECKING:
     import xarray as xr
-
-    from slmm.scene import Scene
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 RESULT_FORMATS = (".nc",)
 PICTURE_FORMATS = (".png", ".pdf", ".svg")
 LISTED = 10  # positions in the table
+FILE_WIDTH = 100  # columns where there is no terminal
 BAD_INPUT = 2
 
 
@@ -53,10 +54,28 @@ def main(
 def initiation(
     scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Plate, notches, material, load.")],
     method: Annotated[
-        str | None, typer.Option(help="slmm, slmm+ac or full-fea; else what the scene asks for.")
+        str | None, typer.Option(help=f"{', '.join(METHODS)}; else what the scene asks for.")
     ] = None,
     positions: Annotated[
         int | None, typer.Option(min=1, help="Number on each hole, in place of what the scene asks for.")
+    ] = None,
+    displacements: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Displacements of the uncracked part from a finite element model (.frd, .vtu, .xdmf and others), for "
+            f"the methods {', '.join(ON_DISPLACEMENTS)}.",
+        ),
+    ] = None,
+    average: Annotated[
+        bool | None,
+        typer.Option("--average", help="Compare the mean stress over the crack with the strength."),
+    ] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0005, max=0.5, help="Relative error of the failure index that method auto aims at."
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Write everything as netCDF.")
@@ -76,10 +95,24 @@ def initiation(
         from slmm.scene import read_scene
 
         scene = read_scene(scene_file)
-        inputs = [scene_file, database, *(getattr(hole, "file", None) for hole in scene.holes)]
+        if displacements is not None and not displacements.is_file():
+            raise ValueError(f"--displacements {displacements}: there is no such file")
+        inputs = [scene_file, database, displacements, *(getattr(hole, "file", None) for hole in scene.holes)]
         _check_no_input(inputs, {"-o": output, "--plot": plot})
         with _progress() as progress, _word_on_compilation():
-            result = _failure_indices(scene, method, positions, database, progress)
+            from slmm import failure_indices
+
+            result = failure_indices(
+                scene,
+                method=method,
+                positions=positions,
+                curves=True,
+                database=database,
+                average=average,
+                tolerance=tolerance,
+                displacements=displacements,
+                progress=progress,
+            )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
                 with _whole_file(output) as unfinished:
@@ -88,7 +121,7 @@ def initiation(
                 progress(1.0, "picture")
                 from slmm.plot import plot_initiation
 
-                figure = plot_initiation(scene, result)
+                figure = plot_initiation(scene, result, displacements)
                 with _whole_file(plot) as unfinished:
                     figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
         from slmm import summary
@@ -115,20 +148,6 @@ def info(
 
         path = shipped_database() if file is None else file
         _print_database(path, read_cells(path))
-
-
-def _failure_indices(
-    scene: Scene,
-    method: str | None,
-    positions: int | None,
-    database: Path | None,
-    progress: Callable[[float, str], None],
-) -> xr.Dataset:
-    from slmm import failure_indices
-
-    return failure_indices(
-        scene, method=method, positions=positions, curves=True, database=database, progress=progress
-    )
 
 
 def _errors() -> Console:
@@ -226,7 +245,7 @@ def _word_on_compilation() -> Iterator[None]:
 
 
 def _print_result(result: xr.Dataset) -> None:
-    from slmm.summary import by_criticality, position_record, status_counts, verdict
+    from slmm.summary import by_criticality, methods_used, position_record, status_counts, verdict
 
     ranked = by_criticality(result)
     n = result.sizes["position"]
@@ -235,23 +254,25 @@ def _print_result(result: xr.Dataset) -> None:
         title=f"{title} ({result.attrs['method']}): {min(LISTED, len(ranked))} most critical of {n} positions",
         box=SIMPLE_HEAD,
     )
-    for heading in ("no.", "x\nmm", "y\nmm", "failure\nindex", "load\nfactor", "crack length\nmm"):
-        table.add_column(heading, justify="right")
-    table.add_column("governed by")
-    for i in ranked[:LISTED]:
-        row = position_record(result, i)
-        numbers = (
-            _text(row[name], digits)
-            for name, digits in (
-                ("x", ".2f"),
-                ("y", ".2f"),
-                ("failure_index", ".4f"),
-                ("load_factor", ".4f"),
-                ("crack_length", ".4g"),
-            )
-        )
-        table.add_row(str(i), *numbers, str(row["governed_by"]))
-    console = Console(highlight=False)
+    rows = [position_record(result, i) for i in ranked[:LISTED]]
+    columns = [("x", "x\nmm", ".2f"), ("y", "y\nmm", ".2f"), ("failure_index", "failure\nindex", ".4f")]
+    length = "crack length\nmm"
+    if any(row["failure_index_error"] is not None for row in rows):
+        columns.append(("failure_index_error", "error\n±", ".1g"))
+        length = "crack\nlength\nmm"  # all in 80 columns
+    columns += [("load_factor", "load\nfactor", ".4f"), ("crack_length", length, ".4g")]
+    words = ["governed_by"]
+    if len(methods_used(result)) > 1:
+        words.append("used_method")
+    table.add_column("no.", justify="right")
+    for _, heading, _ in columns:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name in words:
+        table.add_column(name.replace("_", " "))
+    for i, row in zip(ranked, rows, strict=False):
+        numbers = (_text(row[name], digits) for name, _, digits in columns)
+        table.add_row(str(i), *numbers, *(str(row[name]) for name in words))
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else FILE_WIDTH)
     if ranked:
         console.print(table)
     console.print(verdict(result), soft_wrap=True, markup=False)

@@ -9,16 +9,16 @@ import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from slmm.fem.voxel_element import plane_stress
-from slmm.initiation.local_model import solve_local_model
 from slmm.scene import Scene
-from slmm.summary import by_criticality, status_counts
+from slmm.stress_field import StressField, View, stress_in_view
+from slmm.summary import by_criticality, index_with_error, method_used, status_counts
 
 Array = NDArray[np.float64]
 
@@ -42,12 +42,13 @@ PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
 CRITICAL = "#D55E00"
 #: positions farther apart than this share of the outline are not joined by a line
 JOINED = 1 / 6
-#: voxels across the picture of the stresses
-BACKGROUND_VOXELS = 200
+#: markers of positions on a smooth outline, at its corners and at the tips of cracks, and of those without value
+SMOOTH, CORNER, TIP = "o", "D", "s"
+NO_VALUE = "xv^+1*"
 
 
-def plot_initiation(scene: Scene, result: xr.Dataset) -> Figure:
-    """The notch, the failure index along it, and the coupled criterion at the most critical position.
+def plot_initiation(scene: Scene, result: xr.Dataset, displacements: Any = None) -> Figure:
+    """Notches and cracks, the failure index along them, and the coupled criterion at the most critical position.
 
     Parameters
     ----------
@@ -55,6 +56,9 @@ def plot_initiation(scene: Scene, result: xr.Dataset) -> Figure:
         What was computed.
     result : Dataset
         From `slmm.failure_indices`; the third panel needs ``curves=True``.
+    displacements : path, DisplacementField or (points, cells, u), optional
+        What the result was computed on, for the stress behind the notches; without it, a result on given displacements
+        is drawn on white.
 
     Returns
     -------
@@ -66,31 +70,39 @@ def plot_initiation(scene: Scene, result: xr.Dataset) -> Figure:
         # fixed places: automatic layouts cannot cope with a panel of fixed aspect and two colour bars
         notch = figure.add_axes((0.055, 0.22, 0.40, 0.65), label="notch")
         bars = figure.add_axes((0.465, 0.27, 0.013, 0.55)), figure.add_axes((0.105, 0.09, 0.30, 0.02))
-        along = figure.add_axes((0.60, 0.58, 0.38, 0.31), label="along notch")
-        criterion = figure.add_axes((0.60, 0.09, 0.38, 0.33), label="criterion")
-        draw_notch(notch, bars, scene, result)
+        along = figure.add_axes((0.60, 0.58, 0.345, 0.31), label="along notch")
+        criterion = figure.add_axes((0.60, 0.09, 0.345, 0.33), label="criterion")
+        draw_notch(notch, bars, scene, result, displacements)
         draw_along_notch(along, scene, result)
         draw_criterion(criterion, scene, result)
         ranked = by_criticality(result)
-        FI = f"FI = {result['failure_index'].values[ranked[0]]:.3f}" if ranked else "no failure index"
-        method = result.attrs.get("method", scene.analysis.method)
+        FI = f"FI = {index_with_error(result, ranked[0])}" if ranked else "no failure index"
+        method = method_used(result, ranked[0]) if ranked else result.attrs["method"]
         figure.suptitle(f"{scene.title or 'Crack initiation'}: {FI} ({method})")
     return figure
 
 
-def draw_notch(axes: Axes, bars: tuple[Axes, Axes], scene: Scene, result: xr.Dataset) -> None:
+def draw_notch(
+    axes: Axes, bars: tuple[Axes, Axes], scene: Scene, result: xr.Dataset, displacements: Any = None
+) -> None:
     """The notches coloured by failure index, on the principal stress in the plate, with the critical crack.
 
     ``bars`` take the colour bars of the failure index and of the stress.
     """
     x0, x1, y0, y1 = view = _view(scene)
-    _draw_stress(axes, bars[1], scene, view)
+    if displacements is None and "displacements" in result.attrs:
+        bars[1].set_axis_off()
+    else:
+        _draw_stress(axes, bars[1], stress_in_view(scene, view, displacements), scene, view)
     width, height = scene.plate.width, scene.plate.height
     axes.add_patch(Rectangle((0, 0), width, height, fill=False, ec="0.35", lw=1.0, zorder=1.5))
     for outline in scene.outlines:
         axes.add_patch(Polygon(outline.polygon(720), fc="white", ec="none", zorder=2))
         rim = axes.add_patch(Polygon(outline.polygon(720), fill=False, ec="0.35", lw=1.0, zorder=3))
         _clip_to_plate(rim, axes, scene)
+    for k, crack in enumerate(scene.cracks):
+        label = "initial crack" if k == 0 else None
+        axes.plot(*np.array(crack.points).T, color="black", lw=1.8, zorder=3.5, label=label)
 
     FI, hole, s = (result[name].values for name in ("failure_index", "hole", "arc_length"))
     found = np.isfinite(FI)
@@ -110,9 +122,23 @@ def draw_notch(axes: Axes, bars: tuple[Axes, Axes], scene: Scene, result: xr.Dat
             )
             _clip_to_plate(axes.add_collection(pieces), axes, scene)
     x, y = result["x"].values, result["y"].values
-    dots = axes.scatter(x[found], y[found], c=FI[found], cmap=FI_COLOURS, norm=scale, s=20, zorder=5)
-    _clip_to_plate(dots, axes, scene)
-    bars[0].figure.colorbar(dots, cax=bars[0], label="failure index FI")
+    for marker, of_kind in _kinds(scene, result).items():
+        here = found & of_kind
+        size, rim_colour = (20, "none") if marker == SMOOTH else (45, "black")
+        dots = axes.scatter(
+            x[here],
+            y[here],
+            c=FI[here],
+            cmap=FI_COLOURS,
+            norm=scale,
+            marker=marker,
+            s=size,
+            edgecolors=rim_colour,
+            linewidths=0.8,
+            zorder=5,
+        )
+        _clip_to_plate(dots, axes, scene)
+    bars[0].figure.colorbar(ScalarMappable(scale, FI_COLOURS), cax=bars[0], label="failure index FI")
     if not found.all():
         crosses = axes.plot(x[~found], y[~found], "x", color="0.35", ms=5, zorder=5, label="no value")
         _clip_to_plate(crosses[0], axes, scene)
@@ -137,41 +163,92 @@ def draw_notch(axes: Axes, bars: tuple[Axes, Axes], scene: Scene, result: xr.Dat
 
 
 def draw_along_notch(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
-    """Failure index over arc length, one line per hole; gaps where there is no value, with the reasons."""
+    """Failure index over arc length, one line per hole, then the crack tips; gaps without value, with the reasons."""
     FI, hole, s, status = (result[name].values for name in ("failure_index", "hole", "arc_length", "status"))
     found = np.isfinite(FI)
-    holes, longest = np.unique(hole), 1e-9
+    kinds = _kinds(scene, result)
+    holes, longest = np.unique(hole[hole >= 0]), 0.0
+    colours = np.full(len(FI), "black", dtype=object)
     for h in holes:
-        colour = PALETTE[int(h) % len(PALETTE)]
         on_hole = np.flatnonzero(hole == h)
+        colours[on_hole] = PALETTE[int(h) % len(PALETTE)]
         lines = _joined(s[on_hole], FI[on_hole], scene.outlines[int(h)].length)
-        axes.add_collection(LineCollection(lines, colors=colour, linewidths=1.5))
+        axes.add_collection(LineCollection(lines, colors=colours[on_hole[0]], linewidths=1.5))
         longest = max([longest, *s[on_hole], *(end for _, (end, _) in lines)])
-        named = len(holes) > 1 and h < len(PALETTE)
-        shown = on_hole[found[on_hole]]
-        axes.plot(s[shown], FI[shown], "o", ms=4, color=colour, label=f"outline {h}" if named else None)
+    place = _places(axes, scene, result, longest)
+    top = max(float(FI[found].max(initial=0.0)), _draw_errors(axes, result, place)) or 1.0
+    for h in [*holes, -1]:
+        for marker, of_kind in kinds.items():
+            here = found & of_kind & (hole == h)
+            if here.any():
+                named = len(holes) > 1 and 0 <= h < len(PALETTE) and marker == SMOOTH
+                label = f"outline {h}" if named else None
+                ms = 4 if marker == SMOOTH else 6
+                axes.plot(
+                    place[here], FI[here], marker, ms=ms, color=colours[here][0], label=label, clip_on=False
+                )
+    for marker, word in ((CORNER, "corner"), (TIP, "crack tip")):
+        # on an axis of their own the tips need no name
+        if (found & kinds[marker]).any() and longest > 0:
+            axes.plot([], [], marker, ms=6, color="0.35", mfc="none", label=word)
     reasons = status_counts(result.isel(position=~found))
-    for marker, (reason, n) in zip("xv^sd*", reasons.items(), strict=False):
+    for marker, (reason, n) in zip(NO_VALUE, reasons.items(), strict=False):
         here = ~found & (status == reason)
         label = f"no value: {shorten(reason, 50)} ({n})"
-        axes.plot(s[here], np.zeros(n), marker, color="0.35", clip_on=False, label=label)
+        axes.plot(place[here], np.zeros(n), marker, color="0.35", clip_on=False, label=label)
     ranked = by_criticality(result)
     if ranked:
-        axes.plot(s[ranked[0]], FI[ranked[0]], "o", ms=10, mfc="none", mec=CRITICAL, mew=2)
-
-    top = float(FI[found].max(initial=0.0)) or 1.0
+        at = place[ranked[0]], FI[ranked[0]]
+        axes.plot(*at, "o", ms=10, mfc="none", mec=CRITICAL, mew=2, clip_on=False, zorder=4)
     if top > 0.6:  # below, the line would only press the values down
         top = max(top, 1.0)
         axes.axhline(1.0, color="0.35", ls="--", lw=1.2)
-        behind = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.0}
-        axes.text(longest, 1.0, "FI = 1", ha="right", va="center", color="0.35", bbox=behind)
+        beside = axes.get_yaxis_transform()
+        axes.text(1.01, 1.0, "FI = 1", transform=beside, ha="left", va="center", color="0.35")
     entries = len(axes.get_legend_handles_labels()[0])
     columns = 1 if reasons else 3
     room = min(0.55, 0.1 + 0.095 * -(-entries // columns))  # of the height, for the legend
-    axes.set(xlim=(0, longest), ylim=(0, top / (1 - room)))
-    axes.set(xlabel="arc length s in mm", ylabel="failure index FI")
+    axes.set(ylim=(0, top / (1 - room)), ylabel="failure index FI")
     if entries:
         axes.legend(loc="upper left", ncols=columns, frameon=False, borderaxespad=0.1)
+
+
+def _places(axes: Axes, scene: Scene, result: xr.Dataset, longest: float) -> Array:
+    """Where the positions stand on the axis along the notch: tips follow after the outlines, or are alone."""
+    place = result["arc_length"].values.copy()
+    tips = np.flatnonzero(result["hole"].values < 0)
+    if not longest > 0:
+        place[tips] = [_crack_at(scene, result, i) for i in tips.tolist()]
+        n = len(scene.cracks)
+        axes.set(xlim=(-0.5, n - 0.5), xlabel="tip of crack", xticks=np.arange(0, n, -(-n // 20)))
+        return place
+    place[tips] = longest * (1.05 + 0.04 * np.arange(len(tips)))
+    axes.set(xlim=(0, max([longest, *(place[tips] + 0.03 * longest)])))
+    axes.set_xlabel("arc length s in mm" + (", then the crack tips" if len(tips) else ""))
+    if len(tips):
+        axes.axvline(1.02 * longest, ymax=0.78, color="0.35", lw=0.8)  # the legend stands above
+        axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= longest])
+    return place
+
+
+def _draw_errors(axes: Axes, result: xr.Dataset, place: Array) -> float:
+    """Bars of the estimated errors; their upper end, 0 where there are none."""
+    FI, error = result["failure_index"].values, result["failure_index_error"].values
+    known = np.isfinite(FI) & np.isfinite(error)
+    if not known.any():
+        return 0.0
+    label = f"estimated error, at most {error[known].max():.2g}"
+    axes.errorbar(
+        place[known],
+        FI[known],
+        error[known],
+        fmt="none",
+        ecolor="0.35",
+        elinewidth=1.0,
+        capsize=2.5,
+        label=label,
+    )
+    return float(np.max(FI[known] + error[known]))
 
 
 def draw_criterion(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
@@ -179,9 +256,10 @@ def draw_criterion(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
     axes.set(xlabel="crack length a, depth η in mm", ylabel="share of critical value")
     ranked = by_criticality(result)
     critical = result.isel(position=ranked[0]) if ranked else None
-    if critical is None or "G_inc" not in critical or not np.isfinite(critical["load_factor"]):
-        reason = "no curves in the result" if "G_inc" not in result else "no crack starts at any position"
+    reason = _no_curves(result, critical)
+    if critical is None or reason:
         axes.text(0.5, 0.5, reason, ha="center", va="center", transform=axes.transAxes)
+        axes.set_axis_off()
         return
     lf, a_c = float(critical["load_factor"]), float(critical["crack_length"])
     a, G_inc, sigma_I = (critical[name].values for name in ("a", "G_inc", "sigma_I"))
@@ -197,9 +275,10 @@ def draw_criterion(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
         (stress, r"stress, $lf\, \sigma_I(\eta) / \sigma_c$", PALETTE[2], "--"),
     ):
         known = np.isfinite(a) & np.isfinite(values)
-        curve = np.interp(at, a[known], values[known], left=np.nan, right=np.nan)
-        axes.plot(at, curve, dashes, color=colour, lw=1.8, label=label)
-        shown.append(curve)
+        if known.any():
+            curve = np.interp(at, a[known], values[known], left=np.nan, right=np.nan)
+            axes.plot(at, curve, dashes, color=colour, lw=1.8, label=label)
+            shown.append(curve)
     axes.axhline(1.0, color="0.35", lw=0.8)
     if np.isfinite(a_c):
         axes.plot([a_c, a_c], [0.0, 1.0], color=CRITICAL, lw=1.0, ls=":")
@@ -207,47 +286,55 @@ def draw_criterion(axes: Axes, scene: Scene, result: xr.Dataset) -> None:
     top = float(np.clip(np.nanmax(shown), 1.5, 3.0))
     axes.set(xlim=(0, end), ylim=(0, 1.4 * top))
     axes.set_title(f"load factor {lf:.3f}, governed by {critical['governed_by'].values}", loc="left")
-    axes.legend(loc="upper left", ncols=2, frameon=False, borderaxespad=0.1)
+    axes.legend(loc="upper right", ncols=2, frameon=False, borderaxespad=0.1)
 
 
-def principal_stress_field(scene: Scene, voxels: int) -> Array:
-    """Maximum principal stress (ny, nx) in the middle of each voxel, MPa; row 0 lies at y = 0."""
-    model = solve_local_model(scene, voxels, tol=1e-4)
-    lower, upper = model.u[:-1], model.u[1:]
-    along_x = (lower[:, 1:] + upper[:, 1:] - lower[:, :-1] - upper[:, :-1]) / (2 * model.hx)
-    along_y = (upper[:, 1:] + upper[:, :-1] - lower[:, 1:] - lower[:, :-1]) / (2 * model.hy)
-    E, nu = scene.material.plane_stress_equivalent
-    direct, coupling, shear = (E * factor for factor in plane_stress(nu))
-    s_xx = direct * along_x[..., 0] + coupling * along_y[..., 1]
-    s_yy = coupling * along_x[..., 0] + direct * along_y[..., 1]
-    s_xy = shear * (along_x[..., 1] + along_y[..., 0])
-    return 0.5 * (s_xx + s_yy) + np.hypot(0.5 * (s_xx - s_yy), s_xy)
+def _no_curves(result: xr.Dataset, critical: xr.Dataset | None) -> str:
+    """Why there are no curves to show; empty where there are."""
+    if "G_inc" not in result:
+        return "no curves in the result"
+    if critical is None or not np.isfinite(critical["load_factor"]):
+        return "no crack starts at any position"
+    if not np.isfinite(critical["a"]).any():
+        return f"method {critical['used_method'].values} has no curves along a crack path"
+    return ""
 
 
-def _draw_stress(axes: Axes, bar: Axes, scene: Scene, view: tuple[float, float, float, float]) -> None:
-    x0, x1, y0, y1 = view
-    width, height = scene.plate.width, scene.plate.height
-    fineness = BACKGROUND_VOXELS / max(x1 - x0, y1 - y0)
-    ratio = principal_stress_field(scene, int(np.clip(width * height * fineness**2, 10_000, 1_000_000)))
-    ratio /= scene.material.sigma_c
+def _draw_stress(axes: Axes, bar: Axes, field: StressField, scene: Scene, view: View) -> None:
+    ratio = field.sigma_I / scene.material.sigma_c
     ny, nx = ratio.shape
+    left, right, bottom, top = field.extent
     rows, columns = (
-        slice(max(int(low / side * n), 0), max(int(high / side * n), 0) + 1)
-        for low, high, side, n in ((y0, y1, height, ny), (x0, x1, width, nx))
+        slice(
+            max(int((low - start) / (end - start) * n), 0),
+            max(int((high - start) / (end - start) * n), 0) + 1,
+        )
+        for low, high, start, end, n in ((*view[2:], bottom, top, ny), (*view[:2], left, right, nx))
     )
     image = axes.imshow(
         ratio,
         origin="lower",
-        extent=(0, width, 0, height),
+        extent=field.extent,
         cmap=STRESS_COLOURS,
         vmin=0.0,
-        # the few voxels on the rim, which are partly void, must not set the scale
-        vmax=max(float(np.quantile(ratio[rows, columns], 0.99)), 1e-9),
+        # the few voxels on the rim, which are partly void, must not set the scale, nor must the tip of a crack
+        vmax=max(float(np.nanquantile(ratio[rows, columns], 0.99)), 1e-9),
         interpolation="bilinear",
         zorder=1,
     )
-    label = r"principal stress under the given load, $\sigma_I / \sigma_c$"
+    without = "" if field.cracked else " and without crack"
+    label = rf"principal stress under the given load{without}, $\sigma_I / \sigma_c$"
     bar.figure.colorbar(image, cax=bar, label=label, orientation="horizontal", extend="max")
+
+
+def _kinds(scene: Scene, result: xr.Dataset) -> dict[str, NDArray[np.bool_]]:
+    """By their markers, which positions are on a smooth outline, at a corner or at the tip of a crack."""
+    hole, s = result["hole"].values, result["arc_length"].values
+    corner = np.zeros(len(s), dtype=bool)
+    for h, outline in enumerate(scene.outlines):
+        corner[hole == h] = outline.corner_at(s[hole == h]) >= 0
+    tip = hole < 0
+    return {SMOOTH: ~corner & ~tip, CORNER: corner, TIP: tip}
 
 
 def _draw_crack(axes: Axes, scene: Scene, result: xr.Dataset, i: int, visible: float) -> None:
@@ -256,12 +343,26 @@ def _draw_crack(axes: Axes, scene: Scene, result: xr.Dataset, i: int, visible: f
     a_c = float(result["crack_length"].values[i])
     if not a_c > 0:
         return
-    outline = scene.outlines[int(result["hole"].values[i])]
-    tip = point + outline.normals(result["arc_length"].values[i]) * a_c * (
-        times := _enlargement(visible / a_c)
-    )
+    times = _enlargement(visible / a_c)
+    direction = _direction(scene, result, i)
     label = f"crack, $a_c$ = {a_c:.3g} mm" + (f", drawn {times:g} times as long" if times > 1 else "")
-    axes.plot(*np.stack([point, tip]).T, color=CRITICAL, lw=3, zorder=6, solid_capstyle="butt", label=label)
+    ends = np.stack([point, point + direction * a_c * times])
+    axes.plot(*ends.T, color=CRITICAL, lw=3, zorder=6, solid_capstyle="butt", label=label)
+
+
+def _direction(scene: Scene, result: xr.Dataset, i: int) -> Array:
+    """Unit vector along which a crack starts at position i."""
+    hole = int(result["hole"].values[i])
+    if hole >= 0:
+        return scene.outlines[hole].normals(result["arc_length"].values[i])
+    before, tip = np.array(scene.cracks[_crack_at(scene, result, i)].points[-2:])
+    return (tip - before) / np.linalg.norm(tip - before)
+
+
+def _crack_at(scene: Scene, result: xr.Dataset, i: int) -> int:
+    """The crack whose tip is position i."""
+    tips = np.array([crack.points[-1] for crack in scene.cracks])
+    return int(np.linalg.norm(tips - [result["x"].values[i], result["y"].values[i]], axis=1).argmin())
 
 
 def _enlargement(wanted: float) -> float:
@@ -286,15 +387,22 @@ def _joined(s: Array, values: Array, length: float) -> list[list[tuple[float, fl
     return [[points[k], points[k + 1]] for k in np.flatnonzero(near)]
 
 
-def _view(scene: Scene) -> tuple[float, float, float, float]:
-    """The notches with a margin, not beyond the plate: x0, x1, y0, y1."""
-    width, height = scene.plate.width, scene.plate.height
-    points = np.concatenate([outline.polygon(200) for outline in scene.outlines])
+def _view(scene: Scene) -> View:
+    """The notches and cracks with a margin, not beyond the plate: x0, x1, y0, y1."""
+    plate = np.array([scene.plate.width, scene.plate.height])
+    points = np.concatenate(
+        [
+            *(outline.polygon(720) for outline in scene.outlines),
+            *(np.array(crack.points) for crack in scene.cracks),
+        ]
+    )
+    # a notch that cuts the plate's edge goes on beyond it
+    points = points[((points >= 0) & (points <= plate)).all(axis=1)]
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.6 * float((high - low).max())
-    rim = 0.02 * max(width, height)
+    rim = 0.02 * float(plate.max())
     x0, y0 = np.maximum(low - margin, -rim)
-    x1, y1 = np.minimum(high + margin, np.array([width, height]) + rim)
+    x1, y1 = np.minimum(high + margin, plate + rim)
     return float(x0), float(x1), float(y0), float(y1)
 
 

@@ -95,7 +95,7 @@ def _sentence(item: ErrorDetails, known_keys: Mapping[tuple[str, ...], Sequence[
         known = known_keys.get(tables[:-1], ())
         return f"{key} = {_shown(item['input'])}: is not a known key; known here: {', '.join(known)}"
     if kind in ("missing", "union_tag_not_found"):
-        wanted = "; circle, ellipse, rectangle, points or image" if kind == "union_tag_not_found" else ""
+        wanted = f"; {_one_of_shapes(known_keys)}" if kind == "union_tag_not_found" else ""
         in_list = " (needs more numbers)" if loc and isinstance(loc[-1], int) else ""
         return f"{key}: is missing{in_list}{wanted}"
     value = item["input"]
@@ -111,6 +111,11 @@ def _sentence(item: ErrorDetails, known_keys: Mapping[tuple[str, ...], Sequence[
         return f"{key} = {shown}: {says}" if shown else f"{key}: {says}".removeprefix(": ")
     says = _TYPES[kind].format(**context) if kind in _TYPES else item["msg"]
     return f"{key} = {_shown(value)}: {says}"
+
+
+def _one_of_shapes(known_keys: Mapping[tuple[str, ...], Sequence[str]]) -> str:
+    *others, last = [key[1] for key in known_keys if len(key) == 2 and key[0] == "holes"]
+    return f"{', '.join(others)} or {last}"
 
 
 def _shown(value: object) -> str:

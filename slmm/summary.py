@@ -29,6 +29,33 @@ def status_counts(result: xr.Dataset) -> dict[str, int]:
     return dict(Counter(str(status) for status in result["status"].values).most_common())
 
 
+def index_with_error(result: xr.Dataset, i: int) -> str:
+    """Failure index of position i, with its estimated error where the method has one.
+
+    Examples
+    --------
+    >>> index_with_error(xr.Dataset({"failure_index": ("p", [0.9]), "failure_index_error": ("p", [0.0123])}), 0)
+    '0.900 ± 0.012'
+    """
+    FI, error = (float(result[name].values[i]) for name in ("failure_index", "failure_index_error"))
+    if not math.isfinite(error):
+        return f"{FI:.3f}"
+    # a digit of the error, as far as one is of use
+    digits = 4 if error < 5e-4 else 3
+    return f"{FI:.{digits}f} ± {error:.{digits}f}"
+
+
+def method_used(result: xr.Dataset, i: int) -> str:
+    """The method that was asked for, and, where it is another one, that which gave the value of position i."""
+    asked, used = str(result.attrs["method"]), str(result["used_method"].values[i])
+    return asked if used == asked else f"{asked}: {used}"
+
+
+def methods_used(result: xr.Dataset) -> list[str]:
+    """The methods that gave the values, sorted."""
+    return sorted({str(result["used_method"].values[i]) for i in by_criticality(result)})
+
+
 def verdict(result: xr.Dataset) -> str:
     """The most critical position in two sentences."""
     ranked = by_criticality(result)
@@ -38,14 +65,17 @@ def verdict(result: xr.Dataset) -> str:
     FI, lf, a = worst["failure_index"], worst["load_factor"], worst["crack_length"]
     if not FI > 0 or lf is None:
         return "No crack starts at any of the positions, however high the load."
+    at_tip = worst["hole"] < 0
     says = (
-        f"Most critical: position {worst['position']} at ({worst['x']:.2f}, {worst['y']:.2f}) mm,"
-        f" failure index {FI:.3f}, load factor {lf:.3f}"
+        f"Most critical: position {worst['position']}{', a crack tip,' if at_tip else ''}"
+        f" at ({worst['x']:.2f}, {worst['y']:.2f}) mm,"
+        f" failure index {index_with_error(result, ranked[0])}, load factor {lf:.3f}"
     )
-    if a is not None:
+    if a:
         says += f", critical crack length {a:.3g} mm"
     if FI >= 1:
-        return f"{says}. A crack starts there under this load (FI >= 1)."
+        event = "The crack goes on" if at_tip else "A crack starts"
+        return f"{says}. {event} there under this load (FI >= 1)."
     return f"{says}. No crack starts under this load (FI < 1); one does at {lf:.3f} times the load."
 
 

@@ -11,8 +11,10 @@ from typer.testing import CliRunner
 
 import slmm
 from slmm.cli import _word_on_compilation, app
+from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.meta_model import shipped_database
 
+DATA = Path(__file__).parent / "data"
 EXAMPLES = Path(__file__).parents[1] / "examples"
 OLD = b"the result of an earlier run"
 
@@ -93,6 +95,103 @@ def test_positions_keep_the_order_of_explicit_points(scene_file):
     scene_file.write_text(text)
     positions = json.loads(run("initiation", scene_file, "--json").stdout)["positions"]
     assert [round(position["x"]) for position in positions] == [50, 70, 30]
+
+
+def test_help_lists_all_methods():
+    text = run("initiation", "--help").stdout
+    words = set(text.replace(",", " ").replace(";", " ").split())
+    assert set(METHODS) <= words
+    assert set(ON_DISPLACEMENTS) <= words
+
+
+PLATE = """
+[plate]
+width = 20.0
+height = 20.0
+[[holes]]
+shape = "circle"
+center = [10.0, 10.0]
+radius = 2.0
+[material]
+name = "PMMA"
+[load]
+strain = [0.0, 0.5, 0.0]
+"""
+
+
+@pytest.fixture
+def plate_file(tmp_path):
+    """The plate of tests/data/README.md, under another load."""
+    path = tmp_path / "plate.toml"
+    path.write_text(PLATE)
+    return path
+
+
+@pytest.mark.parametrize("name", ["plate.vtu", "plate_2d.frd"])
+def test_displacements_from_a_file(plate_file, tmp_path, name):
+    output, plot = tmp_path / "result.nc", tmp_path / "result.png"
+    options = "--positions", "8", "--displacements", DATA / name, "-o", output, "--plot", plot
+    result = run("initiation", plate_file, *options)
+    assert result.exit_code == 0, result.stderr
+    assert "failure index 0.885" in result.stdout  # 0.887 on our own model of a hundredth of the strain
+    with xr.open_dataset(output) as written:
+        assert written.attrs["displacements"] == name
+        assert written.attrs["local_model"] == "given displacements"
+
+
+def test_displacements_are_refused_with_a_reason(scene_file, plate_file, tmp_path):
+    plate = DATA / "plate.vtu"
+    assert refused(run("initiation", scene_file, "--displacements", plate), "(20, 20)", "(100, 100) mm")
+    assert refused(run("initiation", plate_file, "--displacements", tmp_path / "none.vtu"), "no such file")
+    assert refused(run("initiation", plate_file, "--displacements", plate_file), "cannot be read")
+    full = "--method", "full-fea"
+    assert refused(run("initiation", plate_file, *full, "--displacements", plate), "full-fea", "slmm+ac")
+    own = tmp_path / "own.nc"
+    shutil.copy(plate, own)
+    assert refused(run("initiation", plate_file, "--displacements", own, "-o", own), "is an input")
+
+
+def test_average_and_tolerance_reach_the_method(scene_file, monkeypatch):
+    real, given = slmm.failure_indices, {}
+
+    def watched(scene, **options):
+        given.update(options)
+        return real(scene, **options)
+
+    monkeypatch.setattr(slmm, "failure_indices", watched)
+    indices = []
+    for options in ((), ("--average", "--tolerance", "0.01")):
+        result = run("initiation", scene_file, "--json", *options)
+        assert result.exit_code == 0, result.stderr
+        indices.append(json.loads(result.stdout)["most_critical"]["failure_index"])
+    assert given["tolerance"] == 0.01
+    # the stress falls from the surface: its mean is higher than its smallest value
+    assert indices[1] > indices[0] * 1.01
+    assert run("initiation", scene_file, "--tolerance", "0.9").exit_code == 2
+
+
+def test_estimated_errors_and_methods_stand_in_the_table(scene_file, monkeypatch):
+    plain = run("initiation", scene_file, "--method", "slmm").stdout
+    assert "±" not in plain and "used method" not in plain
+    real = slmm.failure_indices
+
+    def mixed(scene, **options):
+        result = real(scene, **options)
+        result["failure_index_error"] = 0.01 * result["failure_index"]
+        methods = ["slmm+ac"] * 4 + ["asymptotics"] * 4
+        return result.assign(used_method=("position", methods), reason=("position", ["cheapest"] * 8))
+
+    monkeypatch.setattr(slmm, "failure_indices", mixed)
+    lines = run("initiation", scene_file).stdout.splitlines()
+    assert any("±" in line and "used method" in line for line in lines)
+    rows = [line.split() for line in lines if line.rstrip().endswith(("energy   slmm+ac", "asymptotics"))]
+    assert len(rows) == 8
+    for row in rows:
+        assert float(row[4]) == pytest.approx(0.01 * float(row[3]), rel=0.5)
+        assert row[-4:-1] == ["stress", "and", "energy"]
+    positions = json.loads(run("initiation", scene_file, "--json").stdout)["positions"]
+    assert [position["reason"] for position in positions] == ["cheapest"] * 8
+    assert positions[7]["used_method"] == "asymptotics"
 
 
 def test_bad_scene_is_refused(scene_file):

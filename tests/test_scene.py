@@ -71,7 +71,7 @@ REFUSED = [
     ),
     # shapes
     ({"holes": [{**CIRCLE, "shape": "cirkle"}]}, r'^holes\[0\]\.shape = "cirkle": must be one of \'circle\''),
-    ({"holes": [{"center": [1, 2]}]}, r"^holes\[0\]\.shape: is missing; circle"),
+    ({"holes": [{"center": [1, 2]}]}, r"^holes\[0\]\.shape: is missing; circle.*polygon, v-notch"),
     ({"holes": [{**RECTANGLE, "corner_radius": 11}]}, r"^holes\[0\]: corner_radius = 11: .*smaller side, 10"),
     (
         {"holes": [{**RECTANGLE, "corner_radius": -1}]},

@@ -1,8 +1,8 @@
-"""The coupled criterion at a circular hole: SLMM+AC against closed solutions for the unbounded plate (Fig. 14).
+"""The coupled criterion at a circular hole: SLMM+AC against closed solutions for the unbounded plate.
 
 The stress is Kirsch's. The stress intensity is Tada's for two symmetric cracks, which is what Sapora et al. use, and a
-p-version solution for one crack, which is what SLMM+AC predicts. Radii and PMMA of Sapora et al. (plane strain,
-nu = 0.38), point and averaged form of the stress criterion, then all ratios of radius to Irwin's length.
+p-version solution for one crack, which is what SLMM+AC predicts. Point and averaged form of the stress criterion, all
+ratios of radius to Irwin's length. The plates of Sapora et al. are in fig14_sapora.py.
 
 Writes validation/results/circular_hole.csv and .png; half a minute, ``--quick`` 15 s and no files.
 """
@@ -21,16 +21,17 @@ from slmm import Scene, coupled_criterion, failure_indices, gallery
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-RADII = (0.25, 0.5, 1.0, 2.0)
 #: sigma_f/sigma_c for two cracks over R/l_ch, computed before and independently; 1 %
 RATIOS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 TWO_CRACKS = {
     "average": (0.873, 0.784, 0.624, 0.508, 0.427, 0.372, 0.353),
     "point": (0.983, 0.915, 0.707, 0.571, 0.476, 0.400, 0.369),
 }
-#: K/(S sqrt(pi L)) of one crack over L/R, p-version finite elements, 1e-4; the first is an edge crack's
-ONE_CRACK = CubicSpline(
-    [0.0, 0.01, 0.1, 0.2, 0.5, 1.0, 2.0], [3 * 1.12152, 3.2932, 2.7727, 2.3746, 1.7279, 1.3061, 1.0307]
+#: K/(S sqrt(pi L)) of one crack over L/(R + L): p-version finite elements, 1e-4, at L/R = 0.01 to 2; at its ends those
+#: of an edge crack and of a crack beside which the hole is small. Beyond L/R = 2 full FEA agrees to 0.3 % (up to 6).
+_ONE_CRACK = CubicSpline(
+    [*(x / (1 + x) for x in (0.0, 0.01, 0.1, 0.2, 0.5, 1.0, 2.0)), 1.0],
+    [3 * 1.12152, 3.2932, 2.7727, 2.3746, 1.7279, 1.3061, 1.0307, np.sqrt(0.5)],
 )
 #: sides of the plate that stands for an unbounded one, in radii; Howland: 0.3 % more stress
 UNBOUNDED = 40.0
@@ -40,6 +41,11 @@ def two_cracks(L: float) -> float:
     """K/(S sqrt(pi L)) of two symmetric cracks of length L at a hole of radius 1 (Tada)."""
     s = L / (1 + L)
     return 0.5 * (3 - s) * (1 + 1.243 * (1 - s) ** 3)
+
+
+def one_crack(L: float) -> float:
+    """K/(S sqrt(pi L)) of one crack of length L at a hole of radius 1."""
+    return float(_ONE_CRACK(L / (1 + L)))
 
 
 def kirsch(eta: float) -> float:
@@ -103,33 +109,16 @@ def stress_at_failure(scene: Scene, average: bool) -> tuple[float, float, str]:
     return load / scene.material.sigma_c, float(result.crack_length[0]), str(result.status.values[0])
 
 
-def against_closed(
-    name: str, scene: Scene, ratio: float, average: bool, rule: str, tolerance: float
-) -> list[Check]:
+def against_closed(name: str, scene: Scene, ratio: float, average: bool) -> list[Check]:
     """SLMM+AC against one crack and against two; without a verdict where there is no cell long enough."""
     ours, _, status = stress_at_failure(scene, average)
     case = f"{name}, {'average' if average else 'point'}"
     checks = []
-    for cracks, shape in (("one crack", ONE_CRACK), ("two cracks", two_cracks)):
-        # the p-version values end at a crack of twice the radius
-        if shape is ONE_CRACK and ratio < 0.5:
-            continue
+    for cracks, shape in (("one crack", one_crack), ("two cracks", two_cracks)):
         closed = critical_stress(ratio, shape, average)
-        judged = rule if status == "ok" and cracks == "one crack" else "told"
+        judged = "equal" if status == "ok" and cracks == "one crack" else "told"
         quantity = f"sigma_f/sigma_c, {cracks}" if status == "ok" else f"{cracks}: {status}"
-        checks.append(Check(case, quantity, closed, ours, tolerance, judged, "closed"))
-    return checks
-
-
-def sapora(radii: tuple[float, ...]) -> list[Check]:
-    """Fig. 14: PMMA, in an unbounded plate; the paper stays within 4.5 % of the analytic solution."""
-    checks = []
-    for radius in radii:
-        scene = gallery.sapora_plate(radius)
-        ratio = radius / scene.material.irwin_length
-        for average in (False, True):
-            wide = unbounded_plate(radius, scene)
-            checks += against_closed(f"PMMA, R = {radius:g} mm", wide, ratio, average, "equal", 0.03)
+        checks.append(Check(case, quantity, closed, ours, 0.03, judged, "closed"))
     return checks
 
 
@@ -143,7 +132,7 @@ def ratios(wanted: tuple[float, ...]) -> list[Check]:
             material={"E": m.E, "nu": m.nu, "sigma_c": m.sigma_c, "G_c": m.sigma_c**2 / m.E / ratio}
         )
         for average in (False, True):
-            checks += against_closed(f"R/l_ch = {ratio:g}", brittle, ratio, average, "equal", 0.03)
+            checks += against_closed(f"R/l_ch = {ratio:g}", brittle, ratio, average)
     return checks
 
 
@@ -158,15 +147,11 @@ def draw(checks: list[Check]) -> None:
     figure, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained", sharey=True)
     R = np.geomspace(0.1, 12, 40)
     for axis, form in zip(axes, ("point", "average"), strict=True):
-        for cracks, shape, style in (("two cracks", two_cracks, "-"), ("one crack", ONE_CRACK, "--")):
-            over = R if cracks == "two cracks" else R[R > 0.4]
-            axis.plot(over, [critical_stress(r, shape, form == "average") for r in over], style, label=cracks)
-        for name, marker in (("R/l_ch", "o"), ("PMMA", "s")):
-            mine = {c.case: c for c in checks if c.case.startswith(name) and c.case.endswith(form)}
-            irwin = gallery.sapora_plate(1.0).material.irwin_length if name == "PMMA" else 1.0
-            at = [float(c.case.split("=")[1].split()[0].rstrip(",")) / irwin for c in mine.values()]
-            label = "SLMM+AC" + (", radii of Sapora" if name == "PMMA" else "")
-            axis.plot(at, [c.ours for c in mine.values()], marker, mfc="none", label=label)
+        for cracks, shape, style in (("two cracks", two_cracks, "-"), ("one crack", one_crack, "--")):
+            axis.plot(R, [critical_stress(r, shape, form == "average") for r in R], style, label=cracks)
+        mine = {c.case: c for c in checks if c.case.startswith("R/l_ch") and c.case.endswith(form)}
+        at = [float(case.split("=")[1].split(",")[0]) for case in mine]
+        axis.plot(at, [c.ours for c in mine.values()], "o", mfc="none", label="SLMM+AC")
         axis.set(xscale="log", xlabel="$R/l_{ch}$", title=f"{form} stress")
     axes[0].set_ylabel("$\\sigma_f/\\sigma_c$")
     axes[0].legend(frameon=False)
@@ -175,8 +160,7 @@ def draw(checks: list[Check]) -> None:
 
 
 def main(quick: bool = False) -> list[Check]:
-    checks = [*table(), *kirsch_factor()]
-    checks += sapora((1.0,)) if quick else sapora(RADII) + ratios(RATIOS)
+    checks = [*table(), *kirsch_factor(), *ratios((1.0,) if quick else RATIOS)]
     show("Coupled criterion at a circular hole in an unbounded plate", checks)
     if not quick:
         save("circular_hole", [check.row() for check in checks])

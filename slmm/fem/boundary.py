@@ -224,7 +224,14 @@ def spaced(piece: Piece, outlines: Sequence[Outline], size: ElementSize) -> np.n
     least = 8 if piece.direction is None and len(piece.s) <= 3 else 1
     for s0, s1 in pairwise(piece.s):
         s = s0 + fraction * (s1 - s0)
-        density = 1 / size(piece.points(s, outlines))
+        wanted = size(piece.points(s, outlines))
+        # sizes grow by less than the distance: samples no farther apart than the size miss no small one
+        while (far := np.abs(np.diff(s)) > np.minimum(wanted[:-1], wanted[1:])).any():
+            middle = (s[:-1] + s[1:])[far] / 2
+            at = np.flatnonzero(far) + 1
+            wanted = np.insert(wanted, at, size(piece.points(middle, outlines)))
+            s = np.insert(s, at, middle)
+        density = 1 / wanted
         count = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.abs(np.diff(s)))])
         n = max(least, int(np.ceil(count[-1])))
         # the first and last value exactly, so that pieces meet

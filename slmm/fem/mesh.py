@@ -260,6 +260,7 @@ def _netgen(
     """Triangulate: the first n_boundary segments have the body on their left, the others on both sides."""
     try:
         from netgen.geom2d import SplineGeometry
+        from netgen.meshing import NgException
     except ImportError as error:
         raise ImportError("body-fitted meshes need netgen: pip install slmm[fea]") from error
     geometry = SplineGeometry()
@@ -267,7 +268,10 @@ def _netgen(
     for k, (i, j) in enumerate(segments):
         right = 0 if k < n_boundary else 1
         geometry.Append(["line", number[i], number[j]], leftdomain=1, rightdomain=right, bc=1)
-    mesh = geometry.GenerateMesh(maxh=size_max, grading=element_size.GROWTH)
+    try:
+        mesh = geometry.GenerateMesh(maxh=size_max, grading=element_size.GROWTH)
+    except NgException as error:
+        raise RuntimeError(f"the mesher failed: {error}") from error
     # copies: the mesher's arrays die with its mesh
     vertices = np.array(mesh.Coordinates(), dtype=float)[:, :2]
     triangles = np.array(mesh.Elements2D().NumPy()["nodes"], dtype=np.int64)[:, :3] - 1

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 import shapely
 from scipy.sparse.linalg import SuperLU, splu
@@ -148,14 +149,32 @@ class SlitModel(PlateModel):
         rhs[-m:] = closing
         value[order] = factor.solve(rhs)
         value[order[-m:]] = 0.0
+        along = self.points[jump[-2] // 2] - self.points[jump[0] // 2]
+        self._across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
 
     def released_energy(self) -> np.ndarray:
         """Energy released per thickness (k,), N, by cracks whose tips are the path's k vertices."""
         y = crack_factor(self._S, self._holding[:, None])[:, 0]
-        energy = np.concatenate([[0.0], 0.5 * np.cumsum(y**2)])
+        return np.concatenate([[0.0], 0.5 * np.cumsum(y**2)])[self._freed]
+
+    def tip_opening(self) -> np.ndarray:
+        """Opening (k,) of the faces next to tips at the path's k vertices, mm; 0 at the mouth."""
+        L = la.cholesky(self._S, lower=True)
+        y = la.solve_triangular(L, self._holding, lower=True)
+        opening = np.zeros(len(self._freed))
+        for k, n in enumerate(self._freed):
+            # back substitution from the tip: of the last freed midside node; one that cannot open has none
+            if k and self._jump_place[n - 1] == self._jump_place[n - 2]:
+                last = slice(n - 2, n)
+                opening[k] = la.solve_triangular(L[last, last], y[last], lower=True, trans="T") @ self._across
+        return opening
+
+    @cached_property
+    def _freed(self) -> np.ndarray:
+        """Number of unknowns (k,) that tips at the path's k vertices free."""
         # a tip at vertex k frees the 2 k nodes before it, corners and midsides
         vertices = np.arange(self._jump_place[-1] // 2 + 2)
-        return energy[np.searchsorted(self._jump_place, 2 * vertices)]
+        return np.searchsorted(self._jump_place, 2 * vertices)
 
 
 def last_block(factor: SuperLU, m: int) -> np.ndarray:

@@ -36,6 +36,11 @@ class BodyFitted:
         """Displacements (k, 2) at points (k, 2), mm."""
         return self.fine.displacement(points)
 
+    @property
+    def coarser(self) -> CoarseField:
+        """The coarser mesh's displacements."""
+        return CoarseField(self.coarse, self.raster)
+
     def resolution(self, points: np.ndarray) -> np.ndarray:
         """Size (k,) of the voxels that would resolve the displacements at points (k, 2) as well, mm."""
         return self.fine.element_size(points) / VOXELS_PER_ELEMENT
@@ -49,6 +54,23 @@ class BodyFitted:
         # patch recovery from quadratic displacements: the error is cubic in the element size
         change = (fine - coarse) / 7
         return fine + change, np.abs(change).max(axis=1)
+
+
+@dataclass(frozen=True)
+class CoarseField:
+    """Displacements of a plate on one body-fitted mesh."""
+
+    model: PlateModel
+    raster: Raster
+    coarser: None = None
+
+    def displacement(self, points: np.ndarray) -> np.ndarray:
+        """Displacements (k, 2) at points (k, 2), mm."""
+        return self.model.displacement(points)
+
+    def resolution(self, points: np.ndarray) -> np.ndarray:
+        """Size (k,) of the voxels that would resolve the displacements at points (k, 2) as well, mm."""
+        return self.model.element_size(points) / VOXELS_PER_ELEMENT
 
 
 def solve_body_fitted(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from slmm.initiation.cells import Placed, cell_curves, place_cells, select_modes
-from slmm.initiation.local_model import LocalField, solve_local_model
+from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
+from slmm.initiation.criterion import STRESS
+from slmm.initiation.local_model import SMALLEST_SIDE, LocalField, solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.placement import STOPPED
 from slmm.initiation.task import Answer, Task
@@ -17,6 +19,7 @@ from slmm.initiation.task import Answer, Task
 VOXELS_PER_RADIUS = 20
 FEWEST_VOXELS, MOST_VOXELS = 250**2, 2000**2
 
+TOO_SHORT = "crack longer than the cell"
 CORNER = "no cell: sharp corner"
 TIP = "no cell: crack tip"
 CRACKED = "no cell: the scene has cracks, which cells and voxels do not see"
@@ -64,7 +67,10 @@ def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
     task.progress(0.0, f"local model, {voxels} voxels")
     scene = task.scene
     void = task.settings.void_stiffness or scene.analysis.void_stiffness
-    local = solve_local_model(scene.with_(analysis={"void_stiffness": void}), voxels)
+    scene = scene.with_(analysis={"void_stiffness": void})
+    local = solve_local_model(scene, voxels)
+    if task.settings.relaxed == "unbounded":
+        local = replace(local, coarser=solve_local_model(scene, max(voxels // 4, SMALLEST_SIDE**2)))
     return local, {
         "local_model": "voxels",
         "voxels": local.nx * local.ny,
@@ -104,7 +110,7 @@ def cells_on(local: LocalField, task: Task, auto_control: bool, answer: Answer, 
             found = left[placed.rows]
             note_reasons(answer, left, placed)
             curves, weight, support = cell_curves(scene, outline, placed, meta, settings, auto_control)
-            answer.judge(found, curves, task, "crack longer than the cell")
+            answer.judge(found, curves, task, TOO_SHORT)
             values = (placed.curvature, placed.height, weight, support, placed.misfit)
             for column, value in zip(columns, values, strict=True):
                 column[found] = value
@@ -114,6 +120,40 @@ def cells_on(local: LocalField, task: Task, auto_control: bool, answer: Answer, 
         "database": task.database.name,
         "database_checksum": meta.checksum,
     }
+
+
+#: longest critical crack over Irwin's length where the stress hardly falls: that of a straight edge, 1/1.976
+STRAIGHT_EDGE = 0.506
+
+
+def strength_on(local: LocalField, task: Task, answer: Answer, rows: np.ndarray) -> None:
+    """Fill the answer where the stress along any critical crack differs too little for the energy to matter.
+
+    The load that starts a crack lies between those at which the surface, and the depth of the longest critical crack,
+    reach the strength: the index is taken half way, with half the difference as an error.
+    """
+    scene, where, settings = task.scene, task.where, task.settings
+    material = scene.material
+    meta = select_modes(load_meta_model(material.plane_stress_equivalent[1], task.database), settings.modes)
+    depths = np.linspace(0.0, STRAIGHT_EDGE * material.irwin_length, 4)
+    for k, outline in enumerate(scene.outlines):
+        on_k = rows[where.hole[rows] == k]
+        if not len(on_k):
+            continue
+        placed = place_cells(scene, outline, where.s[on_k], local, meta, settings, settings.fine)
+        stress, error = cell_stress(placed, meta, scene, depths)
+        across, along, shear = stress.swapaxes(0, 1)
+        principal = 0.5 * (across + along) + np.hypot(0.5 * (across - along), shear)
+        low, high = principal.min(axis=1), principal.max(axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            relative = (0.5 * (high - low) + error[:, 0]) / (0.5 * (high + low))
+        enough = (low > 0) & (relative <= task.tolerance)
+        found = on_k[placed.rows[enough]]
+        answer.load_factor[found] = material.sigma_c / (0.5 * (high + low)[enough])
+        answer.error[found], answer.governed_by[found] = relative[enough], STRESS
+        answer.status[found], answer.method[found] = "ok", "strength"
+        answer.column("cell_height")[found] = placed.height[enough]
+        answer.column("curvature")[found] = placed.curvature[enough]
 
 
 def note_reasons(answer: Answer, rows: np.ndarray, placed: Placed) -> None:

@@ -1,4 +1,4 @@
-"""Method dislocations: stress from a body-fitted model, energy from the database and the surroundings' answer."""
+"""Method dislocations: a body-fitted model of the uncracked part, in which trial cracks open as dislocations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from slmm.fem.plate_model import principal_stress
 from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
-from slmm.initiation.face_compliance import load_face_compliance
 from slmm.initiation.meta_model import polynomial_matrix
 from slmm.initiation.task import Answer, Task
 
@@ -17,6 +16,9 @@ from slmm.initiation.task import Answer, Task
 SIZE_PER_CRACK, SIZE_PER_OUTLINE = 0.25, 1 / 120
 #: longest crack as a share of the ligament: beyond, the opposite surface is too near for the samples of its answer
 IN_LIGAMENT = 0.6
+#: a critical crack shorter than this share of the longest one is looked at again, with this multiple of it as the
+#: longest
+SHORT, CLOSE_UP = 0.1, 4.0
 #: positions whose dipoles are solved for at once
 CHUNK = 64
 
@@ -46,34 +48,35 @@ def body_fitted_model(task: Task) -> BodyFitted:
 def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndarray) -> None:
     """Fill the answer at some positions."""
     scene, where = task.scene, task.where
-    compliance = load_face_compliance(task.database, task.database.stat().st_mtime)
-    dislocations = DislocationModel(scene, model, compliance)
+    dislocations = DislocationModel(scene, model)
     radius = answer.column("reference_radius")
-    left, paths = rows, task.paths
-    for _ in range(2):
+    left, longest = rows, task.paths.longest.copy()
+    for attempt in range(3):
+        if not len(left):
+            break
+        task.progress(0.2 + 0.2 * attempt, f"dislocations, {len(left)} positions")
         for chunk in np.array_split(left, -(-len(left) // CHUNK)):
-            task.progress(0.2, f"dislocations, {len(left)} positions")
             trials = [
                 dislocations.trial(
                     scene.outlines[where.hole[i]],
                     float(where.s[i]),
-                    min(paths.longest[i], IN_LIGAMENT * paths.ligament[i]),
+                    min(longest[i], IN_LIGAMENT * task.paths.ligament[i]),
                 )
                 for i in chunk
             ]
             for i, found in zip(chunk, dislocations.curves(trials), strict=True):
                 radius[i] = found.radius
                 answer.judge(np.array([i]), sampled(found), task, TOO_SHORT)
-        # once more with longer cracks where they are too short and may be longer
+        # once more with longer cracks where they are too short and may be longer, or with samples nearer to short ones
         reached = answer.curves.a[:, -1]
-        left = rows[(answer.status[rows] == TOO_SHORT) & (reached[rows] > 0.999 * paths.longest[rows])]
-        if not len(left):
-            break
-        paths = paths.lengthened()
+        longer = (answer.status == TOO_SHORT) & (reached > 0.999 * longest)
+        shorter = answer.crack_length < SHORT * reached
+        longest = np.where(longer, task.paths.lengthened().longest, longest)
+        longest = np.where(shorter, answer.crack_length * CLOSE_UP, longest)
+        left = left[(longer | shorter)[left] & (longest[left] > 1e-3 * reached[left])]
     answer.provenance |= {
         "local_model": "body-fitted",
         "nodes": len(model.fine.points),
-        "database": task.database.name,
     }
 
 

@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
+from slmm.initiation.paths import IN_LIGAMENT
 from slmm.initiation.task import Answer, Task
 
 #: crack lengths of a path, and the longest over the shortest
@@ -35,8 +36,10 @@ def by_full_fea(task: Task) -> Answer:
             except (ValueError, RuntimeError) as error:
                 answer.status[i] = f"no mesh: {error}"
                 break
-            answer.judge(np.array([i]), sampled(model, float(task.where.corner[i])), task, TOO_SHORT)
-            if answer.status[i] == "ok" or task.paths.lengthened().longest[i] <= task.paths.longest[i]:
+            complete = longest >= 0.999 * IN_LIGAMENT * paths.ligament[i]
+            curves = sampled(model, float(task.where.corner[i]))
+            answer.judge(np.array([i]), curves, task, TOO_SHORT, np.array([complete]))
+            if answer.status[i] == "ok" or complete:
                 break
     for k, outline in enumerate(task.scene.outlines):
         smooth = task.smooth & (task.where.hole == k)
@@ -56,10 +59,12 @@ def sampled(model: FullFEA, corner: float) -> PathCurves:
     """
     a = path_points(model.a[-1:])
     logarithm = np.log(np.maximum(a, model.a[0]))
-    energy = CubicSpline(np.log(model.a), np.log(np.maximum(model.G_inc, 1e-300)))
-    # below the shortest crack the power law goes on: linear at a smooth surface, constant at a crack tip
-    exponent = 0.0 if corner == 0 else 1.0 if np.isnan(corner) else float(energy(np.log(model.a[0]), 1))
-    G = np.exp(energy(logarithm)) * np.where(a < model.a[0], a / model.a[0], 1.0) ** exponent
+    G = np.zeros_like(a)
+    if model.G_inc[0] > 0:  # else the crack is closed from its mouth on
+        energy = CubicSpline(np.log(model.a), np.log(model.G_inc))
+        # below the shortest crack the power law goes on: linear at a smooth surface, constant at a crack tip
+        exponent = 0.0 if corner == 0 else 1.0 if np.isnan(corner) else float(energy(np.log(model.a[0]), 1))
+        G = np.exp(energy(logarithm)) * np.where(a < model.a[0], a / model.a[0], 1.0) ** exponent
     if np.isnan(corner):
         sigma = CubicSpline(model.eta, model.sigma_I)(a)
         sigma_error = np.interp(a, model.eta, model.sigma_I_error)

@@ -166,7 +166,7 @@ def _cell_stress(task, answer, depths):
         return stress, error, {}
     local, provenance = local_field(task)
     scene, where, settings = task.scene, task.where, task.settings
-    E, nu = scene.material.plane_stress_equivalent
+    _, nu = scene.material.plane_stress_equivalent
     meta = select_modes(load_meta_model(nu, task.database), settings.modes)
     for k, outline in enumerate(scene.outlines):
         left = rows[where.hole[rows] == k]
@@ -176,6 +176,6 @@ def _cell_stress(task, answer, depths):
             placed = place_cells(scene, outline, where.s[left], local, meta, settings, rule)
             note_reasons(answer, left, placed)
             found = left[placed.rows]
-            stress[found] = cell_stress(placed, meta, E, np.tile(depths, (len(found), 1)))
+            stress[found], error[found] = cell_stress(placed, meta, scene, depths)
             left = left[~np.isfinite(stress[left]).all(axis=(1, 2))]
     return stress, error, provenance

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, interp1d
 
 from slmm.contours.outline import Outline
 from slmm.initiation import control
+from slmm.initiation.cell_errors import energy_error, reference_stress, relative_change, stress_error
+from slmm.initiation.contact import tip_opening, until_closed
 from slmm.initiation.curves import CURVE_POINTS, PathCurves
 from slmm.initiation.local_model import LocalField
 from slmm.initiation.meta_model import MetaModel, polynomial_matrix
@@ -86,14 +88,16 @@ def place_cells(
     along_xi = meta.powers[:, 0] == 0
     powers_xi, powers_eta = (np.ascontiguousarray(meta.powers[which, 1:]) for which in (along_xi, ~along_xi))
 
-    def fitted(h):
+    def fitted(h, field):
         curvature, points = boundary_points(*spline, s, h, rule)
-        u = local.displacement(points.reshape(-1, 2)).reshape(points.shape)
+        u = field.displacement(points.reshape(-1, 2)).reshape(points.shape)
         modes, misfit = fit_cells(*spline, s, h, curvature, powers_xi, powers_eta, u)
         return curvature, misfit, _Cell.scaled(meta, h, curvature, modes)
 
-    curvature, misfit, large = fitted(height)
-    return Placed(rows, s, height, curvature, misfit, large, fitted(0.5 * height)[2], stopped)
+    curvature, misfit, large = fitted(height, local)
+    small = fitted(0.5 * height, local)[2]
+    rough = None if local.coarser is None else fitted(height, local.coarser)[2]
+    return Placed(rows, s, height, curvature, misfit, large, small, rough, rule is settings.wide, stopped)
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,9 @@ class _Cell:
     curvature: np.ndarray  # c' (n,)
     modes: np.ndarray  # u'_RP (n, m)
     stress: np.ndarray  # path stress (n, 3, n_eta)
+
+    def only(self, one):
+        return _Cell(self.scale[one], self.curvature[one], self.modes[one], self.stress[one])
 
     @classmethod
     def scaled(cls, meta, height, curvature, modes):
@@ -126,6 +133,10 @@ class Placed:
         What the modes leave of the displacements on its boundary.
     large, small : _Cell
         The cell and one of half its size.
+    rough : _Cell, optional
+        The cell on a coarser local model.
+    wide : bool
+        Whether they are of the settings' wide rule.
     stopped : ndarray of int
         Of all positions: index into `placement.STOPPED`.
     """
@@ -137,17 +148,47 @@ class Placed:
     misfit: np.ndarray
     large: _Cell
     small: _Cell
+    rough: _Cell | None
+    wide: bool
     stopped: np.ndarray
 
+    def only(self, i: int) -> Placed:
+        """The i-th cell alone."""
+        one = slice(i, i + 1)
+        return replace(
+            self,
+            rows=self.rows[one],
+            s=self.s[one],
+            height=self.height[one],
+            curvature=self.curvature[one],
+            misfit=self.misfit[one],
+            large=self.large.only(one),
+            small=self.small.only(one),
+            rough=None if self.rough is None else self.rough.only(one),
+        )
 
-def cell_stress(placed: Placed, meta: MetaModel, E: float, depths: np.ndarray) -> np.ndarray:
-    """Stress across the path, along it, and shear (n, 3, k) at depths (n, k), MPa; NaN beyond half a cell's length."""
-    result = np.full((len(placed.rows), 3, depths.shape[1]), np.nan)
-    at = depths / placed.large.scale[:, None]
-    for i, row in enumerate(at):
-        reached = row <= meta.eta[-1] * (1 + 1e-9)
-        result[i][:, reached] = E * placed.large.stress[i] @ polynomial_matrix(meta.eta, row[reached]).T
-    return result
+
+def cell_stress(
+    placed: Placed, meta: MetaModel, scene: Scene, depths: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stress across the path, along it, and shear (n, 3, k) at depths (k,), and an error (n, k), MPa.
+
+    NaN beyond half a cell's length. The error is an estimate of that of the principal stress.
+    """
+    E, reference = scene.material.plane_stress_equivalent[0], reference_stress(scene)
+    stress = np.full((len(placed.rows), 3, len(depths)), np.nan)
+    error = np.full((len(placed.rows), len(depths)), np.nan)
+    for i, scale in enumerate(placed.large.scale):
+        at = depths / scale
+        reached = at <= meta.eta[-1] * (1 + 1e-9)
+        one = placed.only(i)
+        stress[i][:, reached] = E * one.large.stress[0] @ polynomial_matrix(meta.eta, at[reached]).T
+        sigma = _principal(stress[i : i + 1, :, reached])
+        fade = np.clip(reference / np.maximum(np.abs(sigma), 1e-300), 1.0, 1e3)
+        of_cell, of_model = _changes(meta, one, at[reached], sigma / E)
+        relative = stress_error(of_cell, of_model, fade)
+        error[i, reached] = (relative * np.abs(sigma))[0]
+    return stress, error
 
 
 def cell_curves(
@@ -166,7 +207,7 @@ def cell_curves(
     Returns
     -------
     curves : PathCurves
-        Of the positions with a cell; G_inc is 0 where the crack would be closed.
+        Of the positions with a cell; with errors where these are known, for the default settings and auto control.
     weight, support : ndarray (n,)
         Weight w of the auto control and support rho of the plate's edges.
     """
@@ -174,12 +215,14 @@ def cell_curves(
     if auto_control and settings.relaxed == "unbounded":
         rho = edge_support(scene, outline, placed.s, placed.height, placed.curvature)
     E = scene.material.plane_stress_equivalent[0]
-    weight, curves = _superpose(meta, E, placed.large, placed.small, settings, auto_control, rho)
+    reference = reference_stress(scene)
+    weight, curves = _superpose(meta, E, placed, settings, auto_control, rho, reference)
     return curves, weight, rho
 
 
-def _superpose(meta, E, large, small, settings, auto_control, rho):
+def _superpose(meta, E, placed, settings, auto_control, rho, reference):
     """Weights (n,) and the curves in the real space."""
+    large, small = placed.large, placed.small
     opening, release = _bounds(meta, large, settings, auto_control)
     a_n = meta.lengths[-1]
     if auto_control:
@@ -200,13 +243,38 @@ def _superpose(meta, E, large, small, settings, auto_control, rho):
         G_dense = np.array([np.interp(a_image, stored, row) for row in at_stored])
     else:
         G_dense = CubicSpline(meta.lengths, G / meta.lengths, axis=1)(a_image) * a_image
-    closed = CubicSpline(meta.lengths, opening, axis=1)(a_image) <= 0
-    G_dense = np.where(closed, 0.0, np.maximum(G_dense, 0.0))
+    G_dense = np.maximum(G_dense, 0.0)
+    if settings.contact:
+        openings = CubicSpline(meta.lengths, tip_opening(opening) / meta.lengths, axis=1)(a_image)
+        with np.errstate(invalid="ignore"):
+            G_dense = np.nan_to_num(until_closed(G_dense * a_image, openings) / a_image)
 
     scale = large.scale[:, None]
-    missing = np.full(G_dense.shape, np.nan)
     sigma = _principal(large.stress @ polynomial_matrix(meta.eta, a_image).T)
-    return w, PathCurves(a_image * scale, G_dense * (E * scale), sigma * E, missing, missing)
+    G_error = sigma_error = np.full(G_dense.shape, np.nan)
+    if auto_control and settings.relaxed == "unbounded":
+        of_cell, of_model = _changes(meta, placed, a_image, sigma)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.nan_to_num(release[1] / held, posinf=np.inf)
+        ends = ratio[:, 0], ratio[:, -1]
+        bracket = interp1d(meta.lengths, ratio, bounds_error=False, fill_value=ends)(a_image)
+        fade = np.clip(reference / np.maximum(np.abs(sigma) * E, 1e-300), 1.0, 1e3)
+        sigma_error = stress_error(of_cell, of_model, fade)
+        G_error = energy_error(of_cell, of_model, fade, bracket, rho, placed.wide)
+    return w, PathCurves(a_image * scale, G_dense * (E * scale), sigma * E, G_error, sigma_error)
+
+
+def _changes(meta, placed, a_image, sigma):
+    """Relative changes (n, k) of the principal stress with the size of the cell, and with the local model."""
+    # the small cell reaches half as far; beyond, its last change stands
+    reached = np.minimum(2 * a_image, meta.eta[-1])
+    at_large = _principal(placed.large.stress @ polynomial_matrix(meta.eta, 0.5 * reached).T)
+    at_small = _principal(placed.small.stress @ polynomial_matrix(meta.eta, reached).T)
+    of_cell = relative_change(at_large, at_small)
+    if placed.rough is None:
+        return of_cell, np.zeros_like(of_cell)
+    rough = _principal(placed.rough.stress @ polynomial_matrix(meta.eta, a_image).T)
+    return of_cell, relative_change(sigma, rough)
 
 
 def _principal(sigma):
@@ -221,7 +289,7 @@ def _at_length(meta, values, a):
 
 
 def _bounds(meta, cell, settings, auto_control, which=slice(None)):
-    """Mean opening (n, n_a), and the coefficients of G' = q0 + q1 w + q2 w^2 (3, n, n_a), for some lengths."""
+    """Work of the opening (n, n_a, k) and G' = q0 + q1 w + q2 w^2 as coefficients (3, n, n_a), for some lengths."""
     lengths = meta.lengths[which]
     upper, opening = (values[:, which] for values in meta.unbounded_release(cell.curvature, cell.stress))
     Psi = meta.stiffness_loss(cell.curvature, which)

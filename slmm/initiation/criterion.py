@@ -154,6 +154,27 @@ def stress_over_crack(a: np.ndarray, sigma_I: np.ndarray, average: bool) -> np.n
     """Smallest or mean stress between the notch and each length, along the last axis, MPa."""
     if average:
         steps = 0.5 * (sigma_I[..., 1:] + sigma_I[..., :-1]) * np.diff(a)
-        mean = np.cumsum(steps, axis=-1) / a[..., 1:]
+        singular = np.isinf(sigma_I[..., 0])
+        steps[singular] = _power_law_steps(a[singular], sigma_I[singular])
+        with np.errstate(invalid="ignore"):
+            mean = np.cumsum(steps, axis=-1) / a[..., 1:]
         return np.concatenate([sigma_I[..., :1], mean], axis=-1)
     return np.minimum.accumulate(sigma_I, axis=-1)
+
+
+def _power_law_steps(a: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+    """Integrals (n, m - 1) of stresses (n, m) that are infinite at a = 0, over the steps between lengths (n, m).
+
+    A power law from point to point; the one after the last infinite value holds from the mouth on.
+    """
+    left, right = slice(None, -1), slice(1, None)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.log(sigma[..., right] / sigma[..., left]) / np.log(a[..., right] / a[..., left])
+        steps = np.diff(a * sigma, axis=-1) / (1 + slope)
+    smooth = 0.5 * (sigma[..., right] + sigma[..., left]) * np.diff(a)
+    steps = np.where(np.isfinite(steps), steps, smooth)
+    for row, stress in enumerate(sigma):
+        first = int(np.isfinite(stress).argmax())
+        steps[row, :first] = 0.0
+        steps[row, first - 1] = a[row, first] * stress[first] / (1 + slope[row, first])
+    return steps

@@ -61,7 +61,7 @@ class Critical:
     governed_by : ndarray (n,) of int
         Index into `criterion.GOVERNED_BY`.
     error : ndarray (n,)
-        Estimate of the relative error of the load factor and of the failure index.
+        Estimate of the relative error of the load factor and of the failure index; 0 where no load starts a crack.
     """
 
     load_factor: np.ndarray
@@ -70,8 +70,14 @@ class Critical:
     error: np.ndarray
 
 
-def criticals(curves: PathCurves, material: Material, average: bool) -> Critical:
-    """Apply the coupled criterion to every position that has curves."""
+def criticals(
+    curves: PathCurves, material: Material, average: bool, complete: np.ndarray | None = None
+) -> Critical:
+    """Apply the coupled criterion to every position that has curves.
+
+    Where the load found lets the strength be exceeded all along the curves, longer cracks could need less: no value,
+    unless a path is ``complete`` (n,), ie. as long as the ligament allows.
+    """
     n = len(curves.a)
     load_factor, length, error = (np.full(n, np.nan) for _ in range(3))
     code = np.full(n, NONE)
@@ -81,6 +87,13 @@ def criticals(curves: PathCurves, material: Material, average: bool) -> Critical
         load_factor[i], length[i], code[i] = critical_load(
             curves.a[i], curves.G_inc[i], strength[i], material.G_c, material.sigma_c
         )
+        open_end = complete is None or not complete[i]
+        if open_end and load_factor[i] * strength[i, -1] > (1 + 1e-9) * material.sigma_c:
+            load_factor[i], length[i], code[i] = np.nan, np.nan, NONE
+            continue
+        if np.isinf(load_factor[i]):
+            error[i] = 0.0
+            continue
         error[i] = _index_error(
             curves.a[i],
             curves.G_inc[i],

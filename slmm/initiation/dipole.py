@@ -101,7 +101,7 @@ def dipole_field(x, y, depth, direction, R, mu, kappa):
 
 @njit(cache=True)
 def mirror_stress(at, depths, R, mu, kappa):
-    """Stress on the path that the surface's curvature adds: that by a hole's mirror less that by a straight edge's.
+    """Stress on the path that the free surface adds to that of dipoles in the unbounded plane.
 
     Parameters
     ----------
@@ -115,17 +115,16 @@ def mirror_stress(at, depths, R, mu, kappa):
     ndarray (2, n, k)
         Stress across the path by dipoles that open, shear stress by those that slide, MPa/mm^2.
     """
+    shift = R if np.isfinite(R) else 0.0
     result = np.empty((2, len(at), len(depths)))
     for direction in range(2):
         alpha = _strength(direction, mu, kappa)
         for i in range(len(at)):
+            w = complex(at[i] + shift, 0.0)
             for j in range(len(depths)):
-                _, Phi, dPhi, _, Psi = _mirrored(complex(at[i] + R, 0.0), depths[j] + R, alpha, R)
-                hole = _stress(complex(at[i] + R, 0.0), Phi, dPhi, Psi)
-                _, Phi, dPhi, _, Psi = _mirrored(complex(at[i], 0.0), depths[j], alpha, np.inf)
-                edge = _stress(complex(at[i], 0.0), Phi, dPhi, Psi)
-                component = 1 if direction == OPENING else 2
-                result[direction, i, j] = hole[component] - edge[component]
+                _, Phi, dPhi, _, Psi = _mirrored(w, depths[j] + shift, alpha, R)
+                _, yy, xy = _stress(w, Phi, dPhi, Psi)
+                result[direction, i, j] = yy if direction == OPENING else xy
     return result
 
 

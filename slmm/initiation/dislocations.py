@@ -2,7 +2,7 @@
 
 By superposition the energy released by a crack is half the work of the stress on its path, in the uncracked part, on
 the opening of its faces. The opening follows from the compliance of the faces. For a crack at a circular hole, or at
-a straight edge, of an unbounded body the database holds it (`face_compliance`). The part differs from such a body:
+a straight edge, of an unbounded body it is known (`face_compliance`). The part differs from such a body:
 its outline has another shape further away, it has edges, supports and other notches. What these answer to an open
 crack is the field that brings the closed-form field of the crack's dislocations (`dipole`) into line with the part's
 true boundary; it has no singularity, and back substitutions in the model of the uncracked part give it:
@@ -27,17 +27,20 @@ from slmm.fem.boundary import plate_body
 from slmm.fem.boundary_stiffness import BoundaryStiffness
 from slmm.fem.plate_model import PlateModel
 from slmm.initiation.body_fitted import BodyFitted
+from slmm.initiation.contact import tip_opening, until_closed
 from slmm.initiation.dipole import dipoles_on_boundary, mirror_stress
-from slmm.initiation.face_compliance import LONGEST, FaceCompliance, legendre_coefficients
+from slmm.initiation.face_compliance import LONGEST, face_compliance, legendre_coefficients
 from slmm.initiation.meta_model import polynomial_matrix
 
 #: dipoles that sample D, Chebyshev points over the longest crack but for its first part: D is smooth, and a mesh
 #: resolves it best where the depth is not small
-DIPOLES, FIRST_DEPTH = 6, 0.1
+DIPOLES, FIRST_DEPTH = 8, 0.07
 #: depths of the path stress
 STRESS_POINTS = 14
 #: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
 LENGTHS, SHORTEST = 24, 1 / 100
+#: longest crack over the radius of a surface that is compared with a straight edge
+LONGEST_BESIDE_EDGE = 0.5
 #: a mirrored crack keeps a distance from the material of this share of its depth, and the hole's centre of its radius
 CLEARANCE = 0.5
 
@@ -53,7 +56,7 @@ class DislocationCurves:
     G_inc : ndarray (LENGTHS,)
         Incremental energy release rate, N/mm; 0 where the crack would be closed.
     G_inc_change : ndarray (LENGTHS,)
-        What the extrapolation changed, N/mm.
+        What the extrapolation changed, and what the highest degree of the polynomial through D adds, N/mm.
     eta : ndarray (STRESS_POINTS,)
         Depths, mm.
     sigma, sigma_change : ndarray (STRESS_POINTS, 3)
@@ -175,13 +178,11 @@ class DislocationModel:
         ``plate``, ``outlines`` and ``material`` are used.
     model : BodyFitted
         Of the uncracked part.
-    compliance : FaceCompliance
-        Of the unbounded bodies.
     """
 
-    def __init__(self, scene: Any, model: BodyFitted, compliance: FaceCompliance):
+    def __init__(self, scene: Any, model: BodyFitted):
         """Gather the boundaries of both meshes."""
-        self.scene, self.model, self.compliance = scene, model, compliance
+        self.scene, self.model = scene, model
         self.boundaries = Boundary(model.coarse), Boundary(model.fine)
         self.body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
         shapely.prepare(self.body)
@@ -197,9 +198,14 @@ class DislocationModel:
         clear = shapely.distance(self.body, shapely.Point(origin - radius * along)) >= CLEARANCE * radius
         return radius if clear else np.inf
 
-    def reach(self, origin: np.ndarray, along: np.ndarray, radius: float, a_max: float) -> float:
+    def reach(
+        self, origin: np.ndarray, along: np.ndarray, radius: float, curvature: float, a_max: float
+    ) -> float:
         """Longest crack up to a_max, mm, that is not too long for the radius and whose mirror stays in the notch."""
-        a_max = min(a_max, LONGEST * radius)
+        if np.isfinite(radius):
+            a_max = min(a_max, LONGEST * radius)
+        elif curvature != 0:
+            a_max = min(a_max, LONGEST_BESIDE_EDGE / abs(curvature))
         while True:
             mirror = a_max if np.isinf(radius) else radius * a_max / (radius + a_max)
             distance = shapely.distance(self.body, shapely.Point(origin - mirror * along))
@@ -211,7 +217,7 @@ class DislocationModel:
         """The path normal to an outline at the arc length s, for cracks up to a_max, mm, or as far as they can go."""
         origin, along, curvature = outline.points(s), outline.normals(s), float(outline.curvatures(s))
         radius = self.reference_radius(origin, along, curvature)
-        return Trial(origin, along, self.reach(origin, along, radius, a_max), radius, curvature)
+        return Trial(origin, along, self.reach(origin, along, radius, curvature, a_max), radius, curvature)
 
     def curves(self, trials: Sequence[Trial]) -> list[DislocationCurves]:
         """Curves of some paths."""
@@ -222,13 +228,12 @@ class DislocationModel:
         result = []
         for trial, (before, stress_before), (G, stress) in zip(trials, coarse, fine, strict=True):
             # the energy's error follows that of the stress, which is cubic in the element size
-            change, stress_change = (G - before) / 7, (stress - stress_before) / 7
-            G_inc = np.where(G > 0, np.maximum(G + change, 0.0), 0.0)
+            change, stress_change = (G[0] - before[0]) / 7, (stress - stress_before) / 7
             result.append(
                 DislocationCurves(
                     _lengths(trial),
-                    G_inc,
-                    change,
+                    np.maximum(G[0] + change, 0.0),
+                    np.abs(change) + np.abs(G[0] - G[1]),
                     trial.eta,
                     stress + stress_change,
                     stress_change,
@@ -240,18 +245,31 @@ class DislocationModel:
     def _of_mesh(
         self, model: PlateModel, boundary: Boundary, trials: Sequence[Trial]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """G_inc (LENGTHS,) and stress (STRESS_POINTS, 3) of each path from one of the meshes."""
+        """G_inc (2, LENGTHS) and stress (STRESS_POINTS, 3) of each path from one of the meshes.
+
+        The second row of G_inc is that of D without its highest degree.
+        """
         points = np.concatenate([trial.origin + trial.eta[:, None] * trial.along for trial in trials])
         stress = model.stress(points).reshape(len(trials), -1, 3)
         result = []
         for trial, sigma, D in zip(trials, stress, answers_of_surroundings(boundary, trials), strict=True):
             a = _lengths(trial)
-            C = self.compliance(a, trial.radius) / model.E
+            C = face_compliance()(a, trial.radius) / model.E
             across = np.array([-trial.along[1], trial.along[0]])
             traction = np.stack([_component(sigma, across, across), _component(sigma, trial.along, across)])
             bend = _Bend(trial.curvature if np.isinf(trial.radius) else 0.0, boundary)
-            result.append((released(a, C, D, trial.depths, trial.eta, traction, bend), sigma))
+            G = [released(a, C, d, trial.depths, trial.eta, traction, bend) for d in (D, _one_degree_less(D))]
+            result.append((np.array(G), sigma))
         return result
+
+
+def _one_degree_less(D: np.ndarray) -> np.ndarray:
+    """Samples (2 m, 2 m) at Chebyshev points without the highest degree of the polynomial through them."""
+    m = len(D) // 2
+    highest = np.cos((m - 1) * np.pi * (np.arange(m) + 0.5) / m)
+    keep = np.eye(m) - np.outer(highest, highest) / (highest @ highest)
+    keep = np.kron(np.eye(2), keep)
+    return keep @ D @ keep.T
 
 
 def _lengths(trial: Trial) -> np.ndarray:
@@ -272,8 +290,9 @@ class _Bend:
         """Stress (2, n, n) at depths by dipoles at the same depths (n,), opening and sliding, MPa/mm^2."""
         if self.curvature == 0:
             return np.zeros((2, len(at), len(at)))
-        stress = mirror_stress(at, at, 1 / abs(self.curvature), self.mu, self.kappa)
-        return -np.sign(self.curvature) * stress
+        hole = mirror_stress(at, at, 1 / abs(self.curvature), self.mu, self.kappa)
+        edge = mirror_stress(at, at, np.inf, self.mu, self.kappa)
+        return -np.sign(self.curvature) * (hole - edge)
 
 
 def released(
@@ -321,8 +340,8 @@ def released(
     answer[:, :k, :k] += bent[:, 0]
     answer[:, k:, k:] += bent[:, 1]
     opening = np.linalg.solve(np.eye(2 * k) - compliance @ answer, compliance @ p[..., None])[..., 0]
-    # P_0's work is the mean opening: a crack that closes releases nothing
-    return np.where(opening[:, 0] > 0, 0.5 * np.einsum("nk,nk->n", p, opening) / a, 0.0)
+    energy = 0.5 * np.einsum("nk,nk->n", p, opening)
+    return until_closed(energy, tip_opening(opening[:, :k])) / a
 
 
 def _polynomials(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:

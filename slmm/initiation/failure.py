@@ -5,22 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from slmm import __version__
 from slmm.initiation.by_cells import by_cells
+from slmm.initiation.by_choice import by_choice
 from slmm.initiation.by_stress import METHODS as STRESS_METHODS
 from slmm.initiation.by_stress import by_stress
 from slmm.initiation.criterion import GOVERNED_BY
 from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.paths import trial_paths
-from slmm.initiation.positions import find_positions
+from slmm.initiation.positions import Positions, find_positions
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Progress, Task
 from slmm.scene import Scene
+
+if TYPE_CHECKING:
+    from slmm.initiation.given_field import GivenField
 
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
@@ -37,13 +41,31 @@ def _by_full_fea(task: Task) -> Answer:
     return by_full_fea(task)
 
 
+def _by_asymptotics(task: Task) -> Answer:
+    from slmm.initiation.by_asymptotics import by_asymptotics  # imports the finite element libraries
+
+    return by_asymptotics(task)
+
+
+def _by_griffith(task: Task) -> Answer:
+    from slmm.initiation.by_asymptotics import by_griffith  # imports the finite element libraries
+
+    return by_griffith(task)
+
+
 METHODS: dict[str, Callable[[Task], Answer]] = {
     **{name: partial(by_stress, method=name) for name in STRESS_METHODS},
     "slmm": partial(by_cells, auto_control=False),
     "slmm+ac": partial(by_cells, auto_control=True),
+    "asymptotics": _by_asymptotics,
+    "griffith": _by_griffith,
     "dislocations": _by_dislocations,
     "full-fea": _by_full_fea,
+    "auto": by_choice,
 }
+
+#: methods that can take the uncracked part from the user's own displacements
+ON_DISPLACEMENTS = (*STRESS_METHODS, "slmm", "slmm+ac", "auto")
 
 
 def failure_indices(
@@ -66,9 +88,10 @@ def failure_indices(
         Plate, notches, material, load.
     method : str, optional
         One of `METHODS`: a strength criterion ("rankine", "mises"), a critical distance ("point", "line"), or the
-        coupled criterion on crack cells ("slmm", "slmm+ac"), with the crack as dislocations ("dislocations") or on a
-        model with a slit for every position ("full-fea"). The last two need the extra ``fea``. By default what the
-        scene asks for.
+        coupled criterion on crack cells ("slmm", "slmm+ac"), at corners, round V-notches and crack tips by matched
+        asymptotics ("asymptotics"), with the crack as dislocations ("dislocations") or on a model with a slit for
+        every position ("full-fea"); at crack tips also Griffith's ("griffith"). All but those on stresses and cells
+        need the extra ``fea``. By default what the scene asks for.
     positions : int, optional
         Positions on each hole, equally spaced; by default what the scene asks for.
     curves : bool
@@ -81,9 +104,11 @@ def failure_indices(
         Compare the mean stress over the crack with the strength (thesis Eq. 3.21). By default what the scene asks for.
     tolerance : float, optional
         Relative error of the failure index that method "auto" aims at. By default what the scene asks for.
-    displacements : path or DisplacementField, optional
-        Displacements of the uncracked part from any finite element model (see `slmm.fem.results`), in place of the
-        local model. Its coordinates are the scene's.
+    displacements : path, DisplacementField or (points, cells, u), optional
+        Displacements of the uncracked part, mm, from any finite element model of the whole plate in the scene's
+        coordinates and material, in place of the local model; see `slmm.initiation.given_field`. Only the methods
+        `ON_DISPLACEMENTS` take them. Load factors are then factors on the load of that model; of the scene's load
+        only the kind counts, which tells how the plate's edges are held.
     progress : callable
         Called with the finished fraction and what is being done.
 
@@ -97,8 +122,10 @@ def failure_indices(
     Raises
     ------
     ValueError
-        When the method or the settings are unknown, the scene has neither hole nor crack, or the displacements do not
-        cover the plate.
+        When the method or the settings are unknown, the scene has neither hole nor crack, the method takes no
+        displacements, or they are not those of the scene's plate.
+    OSError
+        When there is no file of displacements.
     DatabaseError
         When the database cannot be used.
 
@@ -119,6 +146,7 @@ def failure_indices(
             raise ValueError(f"settings = {settings!r}: available are {', '.join(SETTINGS)}")
         settings = SETTINGS[settings]
     where = find_positions(scene, positions)
+    given = None if displacements is None else _given(displacements, method, scene, where)
     task = Task(
         scene,
         where,
@@ -127,13 +155,25 @@ def failure_indices(
         analysis.tolerance if tolerance is None else tolerance,
         settings,
         Path(database) if database is not None else shipped_database(),
-        displacements,
+        given,
         progress,
     )
     answer = METHODS[method](task)
     answer.provenance = {"method": method} | answer.provenance
+    if given is not None:
+        answer.provenance["displacements"] = given.source
     progress(1.0, "done")
     return _dataset(task, answer, curves)
+
+
+def _given(displacements: Any, method: str, scene: Scene, where: Positions) -> GivenField:
+    if method not in ON_DISPLACEMENTS:
+        raise ValueError(
+            f"method = {method!r}: takes no displacements; those that do are {', '.join(ON_DISPLACEMENTS)}"
+        )
+    from slmm.initiation.given_field import given_field  # imports the readers of result files
+
+    return given_field(displacements, scene, where)
 
 
 def _irwin_length_limit(scene: Scene, answer: Answer) -> np.ndarray:
@@ -169,6 +209,13 @@ _UNITS = {
     "misfit": ("1", "part of the boundary displacement that the modes leave"),
     "irwin_length_limit": ("mm", "Irwin's length up to which the curves reach far enough"),
     "reference_radius": ("mm", "radius of the hole whose cracks were corrected, inf for a straight edge"),
+    "k_1": ("MPa mm^(1-lambda)", "generalised stress intensity of opening"),
+    "k_2": ("MPa mm^(1-lambda)", "generalised stress intensity of sliding, with an exponent of its own"),
+    "singular_exponent": ("1", "exponent lambda of the displacements that k_1 opens"),
+    "opening_angle": ("degrees", "angle between the flanks, 0 at a crack tip or U-notch"),
+    "stress_intensity_I": ("MPa sqrt(mm)", "stress intensity factor K_I of the crack"),
+    "stress_intensity_II": ("MPa sqrt(mm)", "stress intensity factor K_II of the crack"),
+    "energy_release_rate": ("N/mm", "energy release rate G of the crack"),
     "a": ("mm", "crack length, and distance from the notch"),
     "G_inc": ("N/mm", "incremental energy release rate"),
     "sigma_I": ("MPa", "maximum principal stress without a new crack"),

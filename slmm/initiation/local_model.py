@@ -68,6 +68,8 @@ class LocalModel:
         Of the solver.
     residual : float
         Relative residual of the solver.
+    coarser : LocalModel, optional
+        The same with voxels twice as large, for estimates of the error.
     """
 
     u: NDArray[np.float64]
@@ -78,6 +80,7 @@ class LocalModel:
     density: NDArray[np.float64]
     iterations: int
     residual: float
+    coarser: LocalModel | None = None
 
     def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacements (n, 2) at points (n, 2), mm."""
@@ -115,6 +118,11 @@ class LocalField(Protocol):
     @property
     def raster(self) -> Raster:
         """Where the material is."""
+        ...
+
+    @property
+    def coarser(self) -> LocalField | None:
+        """The same from elements twice as large, for estimates of the error; None where there is none."""
         ...
 
     def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -169,8 +169,8 @@ class MetaModel:
         -------
         G_inc : ndarray (n, n_a)
             Incremental energy release rate, N/mm.
-        opening : ndarray (n, n_a)
-            Mean crack opening over the length; where it is negative the crack is closed.
+        opening : ndarray (n, n_a, k)
+            Work of the opening on Legendre tractions over the length, see `contact.tip_opening`.
         """
         C = self._compliance(curvature)
         normal, shear = stress[:, 0], stress[:, 2]
@@ -179,7 +179,7 @@ class MetaModel:
         opened = np.einsum("nakl,nal->nak", C[:, 0], p)
         slid = np.einsum("nakl,nal->nak", C[:, 1], q)
         energy = np.einsum("nak,nak->na", opened, p) + np.einsum("nak,nak->na", slid, q)
-        return 0.5 * energy * self.lengths, opened[..., 0]
+        return 0.5 * energy * self.lengths, opened
 
 
 def polynomial_matrix(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -35,6 +35,8 @@ class Settings:
         Fixes the cell's height, mm; 0 lets it grow.
     void_stiffness : float
         Stiffness of a hole's voxels as a share of the material's; 0 takes the scene's.
+    contact : bool
+        Crack faces that meet stay closed; the paper lets them penetrate one another.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Settings:
     linear_lengths: int = 0
     height: float = 0.0
     void_stiffness: float = 0.0
+    contact: bool = True
 
     def describe(self) -> dict:
         """Plain values for provenance."""
@@ -93,4 +96,5 @@ PUBLISHED = Settings(
     relaxed="force",
     linear_lengths=10,
     void_stiffness=0.01,
+    contact=False,
 )

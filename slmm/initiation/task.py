@@ -123,7 +123,14 @@ class Answer:
             curves=PathCurves.empty(n),
         )
 
-    def judge(self, rows: np.ndarray, curves: PathCurves, task: Task, too_short: str) -> None:
+    def judge(
+        self,
+        rows: np.ndarray,
+        curves: PathCurves,
+        task: Task,
+        too_short: str,
+        complete: np.ndarray | None = None,
+    ) -> None:
         """Apply the coupled criterion to the curves of some positions.
 
         Parameters
@@ -135,8 +142,10 @@ class Answer:
         task : Task
         too_short : str
             The status where the curves end before both conditions meet.
+        complete : ndarray (n,) of bool, optional
+            Which paths are as long as the ligament allows.
         """
-        found = criticals(curves, task.scene.material, task.average)
+        found = criticals(curves, task.scene.material, task.average, complete)
         self.load_factor[rows] = found.load_factor
         self.crack_length[rows] = found.crack_length
         self.governed_by[rows] = found.governed_by
@@ -147,6 +156,16 @@ class Answer:
     def column(self, name: str) -> np.ndarray:
         """A column by its name, made when it is not there yet."""
         return self.columns.setdefault(name, np.full(len(self.status), np.nan))
+
+    def rows(self, rows: np.ndarray) -> Answer:
+        """The answer at some of the positions."""
+        names = ("load_factor", "crack_length", "error", "governed_by", "status", "method", "reason")
+        return Answer(
+            **{name: getattr(self, name)[rows] for name in names},
+            curves=self.curves.rows(rows),
+            columns={name: values[rows] for name, values in self.columns.items()},
+            provenance=self.provenance,
+        )
 
     def take(self, rows: np.ndarray, other: Answer) -> None:
         """Take over another method's answer for some positions; ``other`` has just these."""

@@ -1,0 +1,115 @@
+"""Method auto: for every position the cheapest method whose own estimate meets the tolerance.
+
+In order of their cost: the strength alone, where any critical crack is so short that the stress hardly falls along
+it; a crack cell on voxels; dislocations in a body-fitted model of the part; the asymptotics of corners and crack
+tips; a model with a slit for the position. Each method is asked only at the positions that those before could not
+settle, and the result says what was used where, and why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+
+import numpy as np
+
+from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
+from slmm.initiation.task import Answer, Task
+
+#: with more voxels than this a body-fitted model is cheaper
+VOXELS_AFFORDED = 700**2
+
+MANY_VOXELS = "crack cell: the sharpest notch needs {} voxels, which cost more than a body-fitted model"
+NO_FEA = "the other methods need the extra 'fea', which is not installed"
+GIVEN = "given displacements serve crack cells alone"
+NOTHING_CLOSER = "no method comes closer"
+
+
+def by_choice(task: Task) -> Answer:
+    """Answer of the cheapest sufficient method for each position."""
+    choice = _Choice(task)
+    has_fea = find_spec("netgen") is not None
+    voxels = voxel_count(task) if task.displacements is None and task.scene.outlines else 0
+    if voxels <= VOXELS_AFFORDED or not has_fea:
+        choice.ask("crack cell", _cells_or_strength, choice.open)
+    else:
+        choice.pass_over(choice.open[task.smooth], MANY_VOXELS.format(voxels))
+    if task.displacements is not None:
+        return choice.explained(GIVEN)
+    if not has_fea:
+        return choice.explained(NO_FEA)
+    # these import the finite element libraries
+    from slmm.initiation.by_asymptotics import by_asymptotics
+    from slmm.initiation.by_dislocations import by_dislocations
+    from slmm.initiation.by_full_fea import by_full_fea
+
+    left = choice.open
+    choice.ask("dislocations", by_dislocations, left[task.smooth[left]])
+    choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
+    choice.ask("full FEA", by_full_fea, choice.open)
+    return choice.explained(NOTHING_CLOSER)
+
+
+class _Choice:
+    """The best answer so far, and why others were passed over."""
+
+    def __init__(self, task: Task):
+        self.task = task
+        self.answer = Answer.empty(task.n, "none")
+        self.passed_over: list[list[str]] = [[] for _ in range(task.n)]
+        self.settled = np.zeros(task.n, dtype=bool)
+
+    @property
+    def open(self) -> np.ndarray:
+        """Positions that no method has settled yet."""
+        return np.flatnonzero(~self.settled)
+
+    def pass_over(self, rows: np.ndarray, why: str) -> None:
+        """Note why a method was not taken at some positions."""
+        for i in rows:
+            self.passed_over[i].append(why)
+
+    def ask(self, name: str, method: Callable[[Task], Answer], rows: np.ndarray) -> None:
+        """Ask a method at some positions, and take what is better than before."""
+        if not len(rows):
+            return
+        found = method(self.task.among(rows))
+        known = self.answer
+        has_value = found.status == "ok"
+        error = np.where(has_value, np.nan_to_num(found.error, nan=np.inf), np.inf)
+        before = np.where(known.status[rows] == "ok", np.nan_to_num(known.error[rows], nan=np.inf), np.inf)
+        without = known.status[rows] != "ok"
+        better = (has_value & (without | (error < before))) | (~has_value & without)
+        known.take(rows[better], found.rows(better))
+        self.settled[rows] = error <= self.task.tolerance
+        for k, i in enumerate(rows):
+            if not self.settled[i]:
+                said = f"error {_percent(error[k])}" if has_value[k] else str(found.status[k])
+                self.passed_over[i].append(f"{name}: {said}")
+
+    def explained(self, rest: str) -> Answer:
+        """The answer with its reasons; ``rest`` is why the positions left open stay so."""
+        goal = _percent(self.task.tolerance)
+        for i, why in enumerate(self.passed_over):
+            error = _percent(self.answer.error[i])
+            says = f"error {error} within {goal}" if self.settled[i] else f"{rest} ({goal} asked for)"
+            self.answer.reason[i] = says + (f"; passed over: {'; '.join(why)}" if why else "")
+        self.answer.provenance["tolerance"] = self.task.tolerance
+        return self.answer
+
+
+def _cells_or_strength(task: Task) -> Answer:
+    """Crack cells, and where they are not needed the strength alone."""
+    answer = Answer.empty(task.n, "slmm+ac")
+    rows = rows_with_cells(task, answer)
+    if len(rows):
+        local, provenance = local_field(task)
+        answer.provenance |= provenance
+        if not task.average:
+            strength_on(local, task, answer, rows)
+        cells_on(local, task, True, answer, rows[answer.status[rows] != "ok"])
+    return answer
+
+
+def _percent(error: float) -> str:
+    return "unknown" if not np.isfinite(error) else f"{100 * error:.2g} %"
