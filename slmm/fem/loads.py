@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +29,10 @@ class NodalLoad:
     prescribed: np.ndarray
     value: np.ndarray
     supports: np.ndarray
+
+
+#: makes the load of a model from its mesh, its nodes (n, 2) and a scene
+Loading = Callable[[MeshTri2, np.ndarray, Any], NodalLoad]
 
 
 def plate_load(mesh: MeshTri2, points: np.ndarray, scene: Any) -> NodalLoad:

@@ -15,7 +15,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from slmm.fem import triangle
 from slmm.fem.crack_line import crack_factor
-from slmm.fem.loads import plate_load
+from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import PlateMesh
 from slmm.fem.recovery import recovered_stress
 from slmm.fem.slit import open_slits
@@ -32,6 +32,8 @@ class PlateModel:
         Triangles, edges on the outlines, cracks and the trial path.
     scene : Scene
         Plate, material and load.
+    loading : callable
+        Makes a NodalLoad of mesh, points and scene; for supports that scenes do not have, as planes of symmetry.
 
     Attributes
     ----------
@@ -48,7 +50,7 @@ class PlateModel:
         Displacements, mm.
     """
 
-    def __init__(self, mesh: PlateMesh, scene: Any) -> None:
+    def __init__(self, mesh: PlateMesh, scene: Any, loading: Loading = plate_load) -> None:
         """Assemble, factorise and solve."""
         self.E, self.nu = scene.material.plane_stress_equivalent
         slit = open_slits(mesh)
@@ -68,7 +70,7 @@ class PlateModel:
             (np.ones(len(jump)), (jump, follows)), shape=(2 * n, 2 * n)
         )
         self.K = (to_displacements.T @ K @ to_displacements).tocsr() if len(jump) else sp.csr_array(K)
-        self.load = plate_load(self.mesh, self.points, scene)
+        self.load = loading(self.mesh, self.points, scene)
         value = self.load.value.ravel().copy()
         value[jump] = 0.0
         force = to_displacements.T @ self.load.force.ravel()

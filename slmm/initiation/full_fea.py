@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel, principal_stress
 from slmm.initiation.contact import until_closed
@@ -71,6 +72,7 @@ def full_fea_curves(
     size_max: float | None = None,
     angle_max: float = 0.25,
     singular: bool = False,
+    loading: Loading = plate_load,
 ) -> FullFEA:
     """Released energy and stress along a straight crack path by full FEA, extrapolated from three meshes.
 
@@ -97,6 +99,8 @@ def full_fea_curves(
         outline along one, in the coarsest of the three meshes.
     singular : bool
         The path starts at a corner or a crack tip, where the stress is infinite.
+    loading : callable
+        See `slmm.fem.plate_model.PlateModel`.
 
     Returns
     -------
@@ -142,7 +146,7 @@ def full_fea_curves(
     released, stress = [], []
     opening = np.ones(n_lengths)
     for level in range(LEVELS):
-        model = SlitModel(mesh, scene)
+        model = SlitModel(mesh, scene, loading)
         released.append(model.released_energy()[last_nodes * 2**level] / a)
         opening = np.minimum(opening, model.tip_opening()[last_nodes * 2**level])
         stress.append(model.stress(origin + eta[:, None] * along))
