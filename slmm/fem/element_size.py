@@ -9,12 +9,13 @@ import numpy as np
 import shapely
 from numba import njit
 
-from slmm.contours.outline import Outline
+from slmm.contours.outline import AT_CORNER, Outline
 
 #: growth of the element size with the distance from where it is prescribed, mm per mm
 GROWTH = 0.3
-#: intervals on an outline whose turn is measured; digitised outlines are not smooth on a much finer scale
-INTERVALS = 256
+#: intervals on an outline whose turn is measured, more only where it bends sharply: digitised outlines are not smooth
+#: on a much finer scale; and the shortest of them over the outline's length
+INTERVALS, SHARPEST = 256, 1e-6
 #: elements in the narrowest part of a gap
 ACROSS_GAP = 2
 #: size at a crack tip or a corner of the material, as a share of the crack or of the sides that meet there
@@ -69,13 +70,10 @@ def follow_outline(size: ElementSize, outline: Outline, angle_max: float, body: 
     if not len(outline.corners):
         ends = np.array([0.0, outline.length])
     for s0, s1 in pairwise(ends):
-        n = max(4, round(INTERVALS * (s1 - s0) / outline.length))
-        inset = 1e-9 * outline.length  # a corner has two tangents
-        s = np.linspace(s0 + inset, s1 - inset, n + 1)
-        t = outline.tangents(s)
-        turn = np.abs(np.arctan2(t[:-1, 0] * t[1:, 1] - t[:-1, 1] * t[1:, 0], (t[:-1] * t[1:]).sum(axis=1)))
+        inset = 2 * AT_CORNER * outline.length  # a corner has two tangents
+        s, turn = _turns(outline, s0 + inset, s1 - inset, angle_max)
         middle = outline.points(0.5 * (s[1:] + s[:-1]))
-        size.prescribe(middle, angle_max * (s[1] - s[0]) / np.maximum(turn, 1e-12))
+        size.prescribe(middle, angle_max * np.diff(s) / np.maximum(turn, 1e-12))
     if not len(outline.corners):
         return
     side = np.diff(ends)
@@ -86,6 +84,18 @@ def follow_outline(size: ElementSize, outline: Outline, angle_max: float, body: 
         # a notch that cuts the plate's edge has corners outside
         of_body = shapely.distance(shapely.points(at), body) < 1e-9 * body.length
         size.prescribe(at[of_body], SINGULAR_SHARE * shorter[singular][of_body])
+
+
+def _turns(outline: Outline, s0: float, s1: float, angle_max: float) -> tuple[np.ndarray, np.ndarray]:
+    """Arc lengths (n,) from s0 to s1, so close that none of the turns (n - 1,) between them exceeds angle_max."""
+    s = np.linspace(s0, s1, max(4, round(INTERVALS * (s1 - s0) / outline.length)) + 1)
+    while True:
+        t = outline.tangents(s)
+        turn = np.abs(np.arctan2(t[:-1, 0] * t[1:, 1] - t[:-1, 1] * t[1:, 0], (t[:-1] * t[1:]).sum(axis=1)))
+        sharp = (turn > angle_max) & (np.diff(s) > SHARPEST * outline.length)
+        if not sharp.any():
+            return s, turn
+        s = np.insert(s, np.flatnonzero(sharp) + 1, 0.5 * (s[1:] + s[:-1])[sharp])
 
 
 def follow_crack(size: ElementSize, points: np.ndarray) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,10 @@ from slmm.scene import Scene
 
 #: samples of an outline that decide which part of it lies within the plate
 SAMPLES = 4000
+#: an outline that turns by more than this between two positions (rad) has its sharpest bend missed by both
+TURN = 0.8
+#: so few positions cannot be meant to find it
+FEW = 8
 
 
 class Positions(NamedTuple):
@@ -41,8 +46,9 @@ class Positions(NamedTuple):
 def find_positions(scene: Scene, positions: int | None = None) -> Positions:
     """Positions along every outline, at its corners, and at the crack tips; or the scene's explicit points.
 
-    On every outline they are equally spaced, and each corner inside the plate whose opening angle is less than pi
-    is one more, in order of arc length. The tips of the cracks follow after all outlines.
+    On every outline they are equally spaced. Each corner inside the plate whose opening angle is less than pi is one
+    more, in order of arc length, and from eight positions on the middle of each bend of the hole that is so sharp that
+    it lies between two of them, as the root of a blunted V-notch. The tips of the cracks follow after all outlines.
 
     The scene's explicit points keep their order. Each one goes to the crack tip or corner that it is (within
     1e-5 of the plate's longer side), and else to the nearest point of an outline.
@@ -75,9 +81,10 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
     count = scene.analysis.positions if positions is None else positions
     if count < 1:
         raise ValueError(f"positions = {count}: must be at least 1")
-    s_of = [
-        _with_corners(scene, outline, _spread(scene, outline, count), tolerance) for outline in scene.outlines
-    ]
+    s_of = []
+    for outline in scene.outlines:
+        s = _with_corners(scene, outline, _spread(scene, outline, count), tolerance)
+        s_of.append(s if count < FEW else _with_bends(scene, outline, s))
     tips = _tips(scene)
     hole = np.repeat(np.arange(len(s_of)), [len(s) for s in s_of])
     return _positions(
@@ -144,6 +151,26 @@ def _with_corners(scene: Scene, outline: Outline, s: np.ndarray, tolerance: floa
     wanted = (outline.corner_angles < np.pi) & _inside(scene, outline.points(outline.corners), tolerance)
     s = _to_corners(outline, s, tolerance)
     return np.sort(np.concatenate([s, np.setdiff1d(outline.corners[wanted], s)]))
+
+
+def _with_bends(scene: Scene, outline: Outline, s: np.ndarray) -> np.ndarray:
+    """The arc lengths with the middles of bends that lie between two of them."""
+    ends = np.append(s, s[0] + outline.length)
+    t = np.linspace(0.0, 1.0, 65)
+    bends = []
+    for start, end in pairwise(ends):
+        at = start + t * (end - start)
+        corners = np.concatenate([outline.corners, outline.corners + outline.length])
+        if np.any((corners >= start) & (corners <= end)) or not _inside(scene, outline.points(at), 0.0).all():
+            continue
+        x, y = outline.tangents(at).T
+        # around a hole that bulges the tangent turns to the left
+        turned = np.concatenate(
+            [[0.0], np.cumsum(np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:]))]
+        )
+        if turned[-1] > TURN:
+            bends.append(float(np.interp(0.5 * turned[-1], turned, at)) % outline.length)
+    return np.sort(np.concatenate([s, bends]))
 
 
 def _to_corners(outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray:

@@ -115,3 +115,18 @@ def test_scenes_without_any_place_for_a_crack_are_refused():
         find_positions(gallery.edge_crack(10.0, analysis={"points": [[10.0, 60.0], [12.0, 60.0]]}))
     with pytest.raises(ValueError, match="positions = 0: must be at least 1"):
         find_positions(gallery.circular_hole(), 0)
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.2, 1.0])
+def test_the_root_of_a_blunted_notch_is_a_position_however_sharp_it_is(radius):
+    where = find_positions(gallery.v_notch(60.0, radius), 10)
+    to_root = np.linalg.norm(where.points - [10.0, 60.0], axis=1)
+    assert to_root.min() < 0.05 * radius
+    assert np.all(np.diff(where.s) > 0)
+
+
+def test_bends_that_positions_resolve_add_none():
+    assert len(find_positions(gallery.circular_hole(), 8).s) == 8
+    assert len(find_positions(gallery.elliptic_hole(), 20).s) == 20
+    # four positions cannot be meant to find a bend
+    assert len(find_positions(gallery.rounded_square(), 4).s) == 4
