@@ -323,7 +323,8 @@ class Analysis(Table):
     ``void_stiffness`` is the stiffness of a hole's voxels as a share of the material's. ``settings`` are the
     package's own or those that Paper A published. ``average`` compares the mean stress over the crack with the
     strength (thesis Eq. 3.21). ``tolerance`` is the relative error of the failure index that the method "auto"
-    aims at. ``local_model`` is what crack cells and strength criteria take the uncracked part's field from.
+    aims at; of indices below a quarter of the largest it is that of the quarter. ``local_model`` is what crack
+    cells and strength criteria take the uncracked part's field from.
     """
 
     method: Method = "slmm+ac"

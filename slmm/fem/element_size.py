@@ -45,6 +45,11 @@ class ElementSize:
         self._points = np.concatenate([self._points, points[matters]])
         self._sizes = np.concatenate([self._sizes, sizes[matters]])
 
+    def take_back(self, point: np.ndarray) -> None:
+        """Forget what was prescribed at a point (2,)."""
+        others = np.linalg.norm(self._points - point, axis=1) > 1e-9 * self.largest
+        self._points, self._sizes = self._points[others], self._sizes[others]
+
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Sizes (n,) at points (n, 2), mm."""
         return _sizes(np.ascontiguousarray(points), self._points, self._sizes, self.largest)
@@ -148,11 +153,13 @@ def all_sizes(
 ) -> ElementSize:
     """Sizes for a plate: outlines, gaps, cracks (n, 2), and a trial path (k, 2) whose nodes are prescribed."""
     size = ElementSize(largest)
-    if path is not None:
-        size.prescribe(path, along_path(path))
     for outline in outlines:
         follow_outline(size, outline, angle_max, body)
     for crack in cracks:
         follow_crack(size, crack)
     resolve_gaps(size, body)
+    if path is not None:
+        # a crack tip or corner that it goes on from is as fine as its own steps: the mesher follows no sudden change
+        size.take_back(path[0])
+        size.prescribe(path, along_path(path))
     return size

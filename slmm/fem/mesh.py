@@ -138,7 +138,7 @@ def plate_mesh(
     cracks : sequence of ndarray, shape (n, 2)
         Points of each crack, from its mouth (on the boundary, or beyond it) to its tip, mm.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
-        Points where elements must not be larger than the sizes given, mm.
+        Points of the boundary and of cracks where edges must not be longer than the sizes given, mm.
 
     Returns
     -------

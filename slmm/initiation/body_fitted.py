@@ -88,7 +88,7 @@ def solve_body_fitted(
     size_max, angle_max : float, optional
         Largest element (mm) and largest turn (rad) of an outline along one, in the coarser mesh.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
-        Points where the coarser mesh's elements must not be larger than the sizes given, mm.
+        Points of the boundary and of cracks where the coarser mesh's edges must not be longer than given, mm.
 
     Raises
     ------

@@ -19,6 +19,9 @@ from slmm.initiation.task import Answer, Task
 VOXELS_PER_RADIUS = 20
 FEWEST_VOXELS, MOST_VOXELS = 250**2, 2000**2
 
+#: stiffness of the coarser model's void over that of the finer one's
+STIFFER_VOID = 3.0
+
 TOO_SHORT = "crack longer than the cell"
 CORNER = "no cell: sharp corner"
 TIP = "no cell: crack tip"
@@ -31,6 +34,8 @@ def by_cells(task: Task, auto_control: bool) -> Answer:
     rows = rows_with_cells(task, answer)
     if not len(rows):
         return answer
+    # refuses a Poisson's ratio that the voxel solver would fail at
+    load_meta_model(task.scene.material.plane_stress_equivalent[1], task.database)
     local, provenance = local_field(task)
     answer.provenance |= provenance
     task.progress(0.6, f"{len(rows)} positions")
@@ -70,7 +75,10 @@ def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
     scene = scene.with_(analysis={"void_stiffness": void})
     local = solve_local_model(scene, voxels)
     if task.settings.relaxed == "unbounded":
-        local = replace(local, coarser=solve_local_model(scene, max(voxels // 4, SMALLEST_SIDE**2)))
+        # not only coarser: that its void is stiffer shows in the estimates what the void does
+        stiffer = scene.analysis.model_copy(update={"void_stiffness": min(STIFFER_VOID * void, 1.0)})
+        rough = scene.model_copy(update={"analysis": stiffer})
+        local = replace(local, coarser=solve_local_model(rough, max(voxels // 4, SMALLEST_SIDE**2)))
     return local, {
         "local_model": "voxels",
         "voxels": local.nx * local.ny,

@@ -1,9 +1,12 @@
 """Method auto: for every position the cheapest method whose own estimate meets the tolerance.
 
 In order of their cost: the strength alone, where any critical crack is so short that the stress hardly falls along
-it; a crack cell on voxels; dislocations in a body-fitted model of the part; the asymptotics of corners and crack
-tips; a model with a slit for the position. Each method is asked only at the positions that those before could not
+it; a crack cell on voxels; the asymptotics of corners and crack tips; dislocations in a body-fitted model of the part;
+a model with a slit for the position. Each method is asked only at the positions that those before could not
 settle, and the result says what was used where, and why.
+
+The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
+of indices below a quarter of the largest it is the tolerance of that quarter.
 """
 
 from __future__ import annotations
@@ -14,10 +17,19 @@ from importlib.util import find_spec
 import numpy as np
 
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
+from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
 
 #: with more voxels than this a body-fitted model is cheaper
 VOXELS_AFFORDED = 700**2
+
+#: indices below this share of the largest one need no more than its accuracy
+MATTERS = 0.25
+#: and where the strength alone keeps the index below this share, long cracks are left out
+NEGLIGIBLE = 0.1
+
+LONG_AND_SMALL = "long crack, and the strength keeps the index below {} of the largest"
+ELSEWHERE = "a crack starts elsewhere first"
 
 MANY_VOXELS = "crack cell: the sharpest notch needs {} voxels, which cost more than a body-fitted model"
 NO_FEA = "the other methods need the extra 'fea', which is not installed"
@@ -44,8 +56,12 @@ def by_choice(task: Task) -> Answer:
     from slmm.initiation.by_full_fea import by_full_fea
 
     left = choice.open
-    choice.ask("dislocations", by_dislocations, left[task.smooth[left]])
     choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
+    left = choice.open
+    choice.ask("dislocations", by_dislocations, left[task.smooth[left]])
+    left = choice.open
+    choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
+    choice.leave_out_negligible()
     choice.ask("full FEA", by_full_fea, choice.open)
     return choice.explained(NOTHING_CLOSER)
 
@@ -58,6 +74,16 @@ class _Choice:
         self.answer = Answer.empty(task.n, "none")
         self.passed_over: list[list[str]] = [[] for _ in range(task.n)]
         self.settled = np.zeros(task.n, dtype=bool)
+
+    @property
+    def index(self) -> np.ndarray:
+        """Failure indices so far; NaN where there is none."""
+        return np.where(self.answer.status == "ok", 1 / self.answer.load_factor, np.nan)
+
+    @property
+    def largest(self) -> float:
+        """Largest failure index so far."""
+        return float(np.nanmax(self.index, initial=0.0))
 
     @property
     def open(self) -> np.ndarray:
@@ -81,18 +107,40 @@ class _Choice:
         without = known.status[rows] != "ok"
         better = (has_value & (without | (error < before))) | (~has_value & without)
         known.take(rows[better], found.rows(better))
-        self.settled[rows] = error <= self.task.tolerance
+        self.settle()
         for k, i in enumerate(rows):
             if not self.settled[i]:
                 said = f"error {_percent(error[k])}" if has_value[k] else str(found.status[k])
                 self.passed_over[i].append(f"{name}: {said}")
 
+    def settle(self) -> None:
+        """Find the positions whose error is small enough beside their index or the largest one."""
+        allowed = self.task.tolerance * np.maximum(self.index, MATTERS * self.largest)
+        self.settled = self.answer.error * self.index <= allowed
+
+    def leave_out_negligible(self) -> None:
+        """Give up where no value was found yet, and none could matter: the surface must reach the strength too."""
+        if self.task.average:
+            return
+        curves = self.answer.curves
+        surface = curves.sigma_I[:, 0] * (1 + curves.sigma_error[:, 0]) / self.task.scene.material.sigma_c
+        rows = self.open[(surface < NEGLIGIBLE * self.largest)[self.open] & np.isnan(self.index[self.open])]
+        self.answer.status[rows] = LONG_AND_SMALL.format(_percent(NEGLIGIBLE))
+        self.settled[rows] = True
+
     def explained(self, rest: str) -> Answer:
         """The answer with its reasons; ``rest`` is why the positions left open stay so."""
         goal = _percent(self.task.tolerance)
         for i, why in enumerate(self.passed_over):
-            error = _percent(self.answer.error[i])
-            says = f"error {error} within {goal}" if self.settled[i] else f"{rest} ({goal} asked for)"
+            error = self.answer.error[i]
+            if not self.settled[i]:
+                says = f"{rest} ({goal} asked for)"
+            elif self.answer.status[i] != "ok":
+                says = ELSEWHERE
+            elif error <= self.task.tolerance:
+                says = f"error {_percent(error)} within {goal}"
+            else:
+                says = f"error {_percent(error)}, within {goal} of the quarter of the largest index"
             self.answer.reason[i] = says + (f"; passed over: {'; '.join(why)}" if why else "")
         self.answer.provenance["tolerance"] = self.task.tolerance
         return self.answer
@@ -102,12 +150,18 @@ def _cells_or_strength(task: Task) -> Answer:
     """Crack cells, and where they are not needed the strength alone."""
     answer = Answer.empty(task.n, "slmm+ac")
     rows = rows_with_cells(task, answer)
-    if len(rows):
-        local, provenance = local_field(task)
-        answer.provenance |= provenance
-        if not task.average:
-            strength_on(local, task, answer, rows)
-        cells_on(local, task, True, answer, rows[answer.status[rows] != "ok"])
+    if not len(rows):
+        return answer
+    try:
+        load_meta_model(task.scene.material.plane_stress_equivalent[1], task.database)
+    except PoissonNotHeldError as error:
+        answer.status[rows] = f"no cell: {error}"
+        return answer
+    local, provenance = local_field(task)
+    answer.provenance |= provenance
+    if not task.average:
+        strength_on(local, task, answer, rows)
+    cells_on(local, task, True, answer, rows[answer.status[rows] != "ok"])
     return answer
 
 

@@ -12,6 +12,7 @@ from slmm.initiation.criterion import STRESS
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.task import Answer, Task
 from slmm.material import Material
+from slmm.scene import Scene
 
 METHODS = ("rankine", "mises", "point", "line")
 
@@ -20,6 +21,9 @@ TOO_DEEP = (
     "the stress sinks to zero within the critical distance, or the path ends: no critical distance applies"
 )
 NOT_REACHED = "the cell ends before the critical distance"
+NEAR = "a corner or crack tip is so near that the stress depends on the mesh"
+#: elements between a position and a corner or crack tip, at least: nearer, the estimated error is too small
+AWAY_FROM_TIPS = 2
 #: points along the distance that the line method averages over
 SAMPLES = 41
 
@@ -88,14 +92,17 @@ def _carries(eta: np.ndarray, sigma: np.ndarray, distance: float) -> bool:
 def by_stress(task: Task, method: str) -> Answer:
     """Answer of a strength criterion at the surface, or of a critical-distance method on the path."""
     answer = Answer.empty(task.n, method)
-    answer.status[~task.smooth] = SINGULAR
     material = task.scene.material
     depth = {"point": point_distance(material), "line": line_distance(material)}.get(method, 0.0)
     depths = np.linspace(0.0, depth, SAMPLES) if depth else np.zeros(1)
     stress, error, provenance = _path_stress(task, answer, depths)
+    answer.status[~task.smooth] = SINGULAR
     for i in np.flatnonzero(np.isfinite(stress[:, 0, 0])):
+        if depth > task.paths.ligament[i]:
+            answer.status[i] = TOO_DEEP
+            continue
         if not np.isfinite(stress[i]).all():
-            answer.status[i] = TOO_DEEP if depth > task.paths.ligament[i] else NOT_REACHED
+            answer.status[i] = NOT_REACHED
             continue
         value = _criterion_stress(stress[i], depths, method, material)
         if np.isnan(value):
@@ -104,7 +111,7 @@ def by_stress(task: Task, method: str) -> Answer:
         answer.status[i] = "ok"
         answer.load_factor[i] = material.sigma_c / value if value > 0 else np.inf
         answer.governed_by[i] = STRESS if value > 0 else answer.governed_by[i]
-        answer.error[i] = error[i].max() / abs(value) if value > 0 else 0.0
+        answer.error[i] = error[i].max() / value if value > 0 else 0.0
     answer.provenance |= provenance
     return answer
 
@@ -119,7 +126,7 @@ def _criterion_stress(sigma: np.ndarray, depths: np.ndarray, method: str, materi
         squares = (first - second) ** 2 + (second - out_of_plane) ** 2 + (out_of_plane - first) ** 2
         return float(np.sqrt(0.5 * squares[0]))
     sigma_I = middle + radius
-    if method == "rankine":
+    if method == "rankine" or (sigma_I <= 0).all():
         return float(sigma_I[0])
     return (point_method if method == "point" else line_method)(depths, sigma_I, material)
 
@@ -129,16 +136,21 @@ def _path_stress(
 ) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
     """Stress across, along, shear (n, 3, k) at depths (k,), an error (n, k), both MPa, and their origin."""
     if task.scene.analysis.local_model == "body-fitted" and task.displacements is None:
-        return _body_fitted_stress(task, depths)
+        return _body_fitted_stress(task, answer, depths)
     return _cell_stress(task, answer, depths)
 
 
-def _body_fitted_stress(task, depths):
+def _body_fitted_stress(task, answer, depths):
     from slmm.initiation.body_fitted import solve_body_fitted  # imports the finite element libraries
 
     model = solve_body_fitted(task.scene)
     paths = task.paths
     rows = np.flatnonzero(task.smooth)
+    near = distance_to_tips(task.scene, paths.start[rows]) < AWAY_FROM_TIPS * model.fine.element_size(
+        paths.start[rows]
+    )
+    answer.status[rows[near]] = NEAR
+    rows = rows[~near]
     stress = np.full((task.n, 3, len(depths)), np.nan)
     error = np.full((task.n, len(depths)), np.nan)
     points = paths.start[rows, None] + depths[:, None] * paths.direction[rows, None]
@@ -158,16 +170,26 @@ def _body_fitted_stress(task, depths):
     return stress, error, {"local_model": "body-fitted", "nodes": len(model.fine.points)}
 
 
+def distance_to_tips(scene: Scene, points: np.ndarray) -> np.ndarray:
+    """Distances (n,) from points (n, 2) to the nearest corner of a notch or crack tip, mm; inf where there is none."""
+    corners = [outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in scene.outlines]
+    tips = [np.array([crack.points[-1] for crack in scene.cracks]).reshape(-1, 2)]
+    singular = np.concatenate([*corners, *tips])
+    steps = points[:, None] - singular
+    return np.hypot(steps[..., 0], steps[..., 1]).min(axis=1, initial=np.inf)
+
+
 def _cell_stress(task, answer, depths):
     stress = np.full((task.n, 3, len(depths)), np.nan)
     error = np.full((task.n, len(depths)), np.nan)
     rows = rows_with_cells(task, answer)
     if not len(rows):
         return stress, error, {}
-    local, provenance = local_field(task)
     scene, where, settings = task.scene, task.where, task.settings
     _, nu = scene.material.plane_stress_equivalent
+    # first, because it refuses a Poisson's ratio that the voxel solver would fail at
     meta = select_modes(load_meta_model(nu, task.database), settings.modes)
+    local, provenance = local_field(task)
     for k, outline in enumerate(scene.outlines):
         left = rows[where.hole[rows] == k]
         for rule in dict.fromkeys((settings.fine, settings.wide)):
@@ -177,5 +199,8 @@ def _cell_stress(task, answer, depths):
             note_reasons(answer, left, placed)
             found = left[placed.rows]
             stress[found], error[found] = cell_stress(placed, meta, scene, depths)
+            # the estimate is one of the largest principal stress: it says nothing about a compressed surface
+            compressed = stress[found, :2, 0].sum(axis=1) < -error[found, 0]
+            error[found[compressed]] = np.nan
             left = left[~np.isfinite(stress[left]).all(axis=(1, 2))]
     return stress, error, provenance

@@ -127,7 +127,7 @@ def _index_error(a, G_inc, strength, G_error, sigma_error, length, code):
     span = np.log(a[last] / a[first])
     q = np.log(max(G_inc[last], 1e-300) / max(G_inc[first], 1e-300)) / span
     p = np.log(max(strength[first], 1e-300) / max(strength[last], 1e-300)) / span
-    q, p = max(q, 1e-6), max(p, 0.0)
+    q, p = max(q, 1e-6), min(max(p, 0.0), 1e6)
     return (q * e_s + p * e_G) / (q + 2 * p)
 
 

@@ -35,12 +35,18 @@ from slmm.initiation.meta_model import polynomial_matrix
 #: dipoles that sample D, Chebyshev points over the longest crack but for its first part: D is smooth, and a mesh
 #: resolves it best where the depth is not small
 DIPOLES, FIRST_DEPTH = 8, 0.07
-#: depths of the path stress
-STRESS_POINTS = 14
+#: cracks longer than this many radii of the notch take more, the first within a part of the radius
+LONG, MORE_DIPOLES, FIRST_OF_RADIUS, LEAST_FIRST_DEPTH = 2.0, 16, 0.15, 0.01
+#: depths of the path stress: enough for a crack that is many times as long as the notch's radius
+STRESS_POINTS = 40
 #: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
 LENGTHS, SHORTEST = 24, 1 / 100
 #: longest crack over the radius of a surface that is compared with a straight edge
 LONGEST_BESIDE_EDGE = 0.5
+#: a notch bends by less than this along the longest crack: straight, and closed forms of bends would cancel
+STRAIGHT = 1e-5
+#: a point of the path keeps a distance from all boundaries of this share of its depth
+AWAY = 0.4
 #: a mirrored crack keeps a distance from the material of this share of its depth, and the hole's centre of its radius
 CLEARANCE = 0.5
 
@@ -56,7 +62,8 @@ class DislocationCurves:
     G_inc : ndarray (LENGTHS,)
         Incremental energy release rate, N/mm; 0 where the crack would be closed.
     G_inc_change : ndarray (LENGTHS,)
-        What the extrapolation changed, and what the highest degree of the polynomial through D adds, N/mm.
+        What the extrapolation changed, and what the shallowest sample of D or the highest degree of the polynomial
+        through them adds, N/mm.
     eta : ndarray (STRESS_POINTS,)
         Depths, mm.
     sigma, sigma_change : ndarray (STRESS_POINTS, 3)
@@ -127,8 +134,11 @@ class Trial(NamedTuple):
     @property
     def depths(self) -> np.ndarray:
         """Where dipoles sample the answer of the surroundings, mm."""
-        chebyshev = 0.5 * (1 - np.cos(np.pi * (np.arange(DIPOLES) + 0.5) / DIPOLES))
-        return self.longest * (FIRST_DEPTH + (1 - FIRST_DEPTH) * chebyshev)
+        n, first, in_radii = DIPOLES, FIRST_DEPTH, self.longest * abs(self.curvature)
+        if in_radii > LONG:
+            n, first = MORE_DIPOLES, np.clip(FIRST_OF_RADIUS / in_radii, LEAST_FIRST_DEPTH, FIRST_DEPTH)
+        chebyshev = 0.5 * (1 - np.cos(np.pi * (np.arange(n) + 0.5) / n))
+        return self.longest * (first + (1 - first) * chebyshev)
 
     @property
     def eta(self) -> np.ndarray:
@@ -162,8 +172,9 @@ def answers_of_surroundings(boundary: Boundary, trials: Sequence[Trial]) -> list
     value = np.where(boundary.supports[..., None], 0.0, -all_moved)
     u, reaction = boundary.stiffness.response(-np.concatenate(force, axis=-1), value)
     result = []
-    for k, (f, v) in enumerate(zip(force, moved, strict=True)):
-        mine = slice(k * f.shape[-1], (k + 1) * f.shape[-1])
+    ends = np.cumsum([f.shape[-1] for f in force])
+    for end, f, v in zip(ends, force, moved, strict=True):
+        mine = slice(end - f.shape[-1], end)
         work = np.einsum("bik,bil->kl", f, u[..., mine]) - np.einsum("bik,bil->kl", v, reaction[..., mine])
         result.append(-(work + work.T) / 2)
     return result
@@ -201,11 +212,20 @@ class DislocationModel:
     def reach(
         self, origin: np.ndarray, along: np.ndarray, radius: float, curvature: float, a_max: float
     ) -> float:
-        """Longest crack up to a_max, mm, that is not too long for the radius and whose mirror stays in the notch."""
+        """Longest crack up to a_max, mm, that its surroundings allow.
+
+        It is not too long for the radius, its mirror stays in the notch, and it keeps away from other boundaries, whose
+        answer would change within a part of its length.
+        """
         if np.isfinite(radius):
             a_max = min(a_max, LONGEST * radius)
         elif curvature != 0:
             a_max = min(a_max, LONGEST_BESIDE_EDGE / abs(curvature))
+        depths = a_max * np.linspace(0.05, 1.0, 20)
+        away = shapely.distance(shapely.points(origin + depths[:, None] * along), self.body.boundary)
+        near = np.flatnonzero(away < AWAY * depths)
+        if len(near):
+            a_max = float(depths[max(near[0] - 1, 0)])
         while True:
             mirror = a_max if np.isinf(radius) else radius * a_max / (radius + a_max)
             distance = shapely.distance(self.body, shapely.Point(origin - mirror * along))
@@ -216,6 +236,8 @@ class DislocationModel:
     def trial(self, outline: Any, s: float, a_max: float) -> Trial:
         """The path normal to an outline at the arc length s, for cracks up to a_max, mm, or as far as they can go."""
         origin, along, curvature = outline.points(s), outline.normals(s), float(outline.curvatures(s))
+        if abs(curvature) * a_max < STRAIGHT:
+            curvature = 0.0
         radius = self.reference_radius(origin, along, curvature)
         return Trial(origin, along, self.reach(origin, along, radius, curvature, a_max), radius, curvature)
 
@@ -233,7 +255,7 @@ class DislocationModel:
                 DislocationCurves(
                     _lengths(trial),
                     np.maximum(G[0] + change, 0.0),
-                    np.abs(change) + np.abs(G[0] - G[1]),
+                    np.abs(change) + np.abs(G[1:] - G[0]).max(axis=0),
                     trial.eta,
                     stress + stress_change,
                     stress_change,
@@ -245,9 +267,10 @@ class DislocationModel:
     def _of_mesh(
         self, model: PlateModel, boundary: Boundary, trials: Sequence[Trial]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """G_inc (2, LENGTHS) and stress (STRESS_POINTS, 3) of each path from one of the meshes.
+        """G_inc (2 or 3, LENGTHS) and stress (STRESS_POINTS, 3) of each path from one of the meshes.
 
-        The second row of G_inc is that of D without its highest degree.
+        The second row of G_inc is that of D without its highest degree, the third, of long cracks, that without its
+        shallowest sample.
         """
         points = np.concatenate([trial.origin + trial.eta[:, None] * trial.along for trial in trials])
         stress = model.stress(points).reshape(len(trials), -1, 3)
@@ -258,7 +281,11 @@ class DislocationModel:
             across = np.array([-trial.along[1], trial.along[0]])
             traction = np.stack([_component(sigma, across, across), _component(sigma, trial.along, across)])
             bend = _Bend(trial.curvature if np.isinf(trial.radius) else 0.0, boundary)
-            G = [released(a, C, d, trial.depths, trial.eta, traction, bend) for d in (D, _one_degree_less(D))]
+            samples = [(D, trial.depths), (_one_degree_less(D), trial.depths)]
+            if len(trial.depths) > DIPOLES:
+                deeper = np.tile(np.arange(len(trial.depths)) > 0, 2)
+                samples.append((D[np.ix_(deeper, deeper)], trial.depths[1:]))
+            G = [released(a, C, d, depths, trial.eta, traction, bend) for d, depths in samples]
             result.append((np.array(G), sigma))
         return result
 

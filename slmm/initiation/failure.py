@@ -103,7 +103,8 @@ def failure_indices(
     average : bool, optional
         Compare the mean stress over the crack with the strength (thesis Eq. 3.21). By default what the scene asks for.
     tolerance : float, optional
-        Relative error of the failure index that method "auto" aims at. By default what the scene asks for.
+        Relative error of the failure index that method "auto" aims at; of indices below a quarter of the largest it
+        is that of the quarter. By default what the scene asks for.
     displacements : path, DisplacementField or (points, cells, u), optional
         Displacements of the uncracked part, mm, from any finite element model of the whole plate in the scene's
         coordinates and material, in place of the local model; see `slmm.initiation.given_field`. Only the methods

@@ -36,6 +36,10 @@ def shipped_database() -> Path:
     raise DatabaseError(f"no cells.nc in {package / 'models'} or {package.parent / 'models'}")
 
 
+class PoissonNotHeldError(DatabaseError):
+    """The database is sound, but Poisson's ratio lies beyond those that it holds."""
+
+
 @dataclass(frozen=True)
 class MetaModel:
     """Crack cells for one effective Poisson's ratio, for E = 1 MPa and a thickness of 1 mm.
@@ -219,7 +223,9 @@ def load_meta_model(nu: float, database: Path | str | None = None) -> MetaModel:
     Raises
     ------
     DatabaseError
-        When the file cannot be used or does not hold this Poisson's ratio.
+        When the file cannot be used.
+    PoissonNotHeldError
+        When it does not hold this Poisson's ratio.
     """
     path = Path(database) if database is not None else shipped_database()
     if not path.is_file():
@@ -243,7 +249,7 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
         )
     elif not (len(stored) > 3 and stored[0] <= nu <= stored[-1]):
         held = f"{stored[0]:g} to {stored[-1]:g}" if len(stored) > 3 else ", ".join(f"{v:g}" for v in stored)
-        raise DatabaseError(
+        raise PoissonNotHeldError(
             f"{path}: holds the effective Poisson's ratios {held}, not {nu:.6g}; "
             f"make a table for it: slmm-precompute --poisson {nu:.6g} -o FILE.nc"
         )
