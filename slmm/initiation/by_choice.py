@@ -12,6 +12,7 @@ of indices below a quarter of the largest it is the tolerance of that quarter.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
@@ -23,6 +24,8 @@ from slmm.initiation.task import Answer, Task
 #: with more voxels than this a body-fitted model is cheaper
 VOXELS_AFFORDED = 700**2
 
+#: with at least this tolerance dislocations do with elements so many times as large
+LOOSE, COARSENESS = 0.01, 2.0
 #: indices below this share of the largest one need no more than its accuracy
 MATTERS = 0.25
 #: and where the strength alone keeps the index below this share, long cracks are left out
@@ -58,10 +61,11 @@ def by_choice(task: Task) -> Answer:
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
     left = choice.open
-    choice.ask("dislocations", by_dislocations, left[task.smooth[left]])
+    coarseness = COARSENESS if task.tolerance >= LOOSE else 1.0
+    choice.ask("dislocations", partial(by_dislocations, coarseness=coarseness), left[task.smooth[left]])
+    choice.leave_out_negligible()
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
-    choice.leave_out_negligible()
     choice.ask("full FEA", by_full_fea, choice.open)
     return choice.explained(NOTHING_CLOSER)
 

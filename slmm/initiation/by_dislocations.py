@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from slmm.fem.plate_model import principal_stress
-from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
+from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
 from slmm.initiation.cell_errors import reference_stress
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
@@ -32,18 +32,18 @@ SINGULAR = "a corner or crack tip, where dislocations do not start"
 TOO_SHORT = "crack longer than the dislocations reach"
 
 
-def by_dislocations(task: Task) -> Answer:
-    """Answer from one body-fitted model of the uncracked part."""
+def by_dislocations(task: Task, coarseness: float = 1.0) -> Answer:
+    """Answer from one body-fitted model of the uncracked part, its elements ``coarseness`` times the usual ones."""
     answer = Answer.empty(task.n, "dislocations")
     answer.status[~task.smooth] = SINGULAR
     rows = np.flatnonzero(task.smooth)
     if len(rows):
         task.progress(0.0, "body-fitted model")
-        dislocations_on(body_fitted_model(task.among(rows)), task, answer, rows)
+        dislocations_on(body_fitted_model(task.among(rows), coarseness), task, answer, rows)
     return answer
 
 
-def body_fitted_model(task: Task) -> BodyFitted:
+def body_fitted_model(task: Task, coarseness: float = 1.0) -> BodyFitted:
     """The uncracked part, fine where the positions' cracks start."""
     where, scene = task.where, task.scene
     length = np.array([outline.length for outline in scene.outlines])[where.hole]
@@ -52,7 +52,9 @@ def body_fitted_model(task: Task) -> BodyFitted:
     to_edge = np.minimum.reduce([x, scene.plate.width - x, y, scene.plate.height - y])
     # where the notch meets the plate's edge the stress may be singular
     size = np.minimum(size, SIZE_PER_DISTANCE * to_edge)
-    return solve_body_fitted(scene, fine_at=(where.points, size))
+    return solve_body_fitted(
+        scene, angle_max=coarseness * ANGLE_MAX, fine_at=(where.points, coarseness * size)
+    )
 
 
 def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndarray) -> None:

@@ -1,0 +1,128 @@
+"""Method auto: the cheapest method that is good enough, position by position, and it says why."""
+
+import numpy as np
+import pytest
+
+from slmm import failure_indices, gallery
+from slmm.initiation import by_choice
+from slmm.initiation.by_choice import ELSEWHERE, GIVEN, MATTERS, NEGLIGIBLE, NO_FEA
+
+pytest.importorskip("netgen")
+
+
+def with_irwin_length(scene, l_ch):
+    """The scene with a toughness that makes Irwin's length this long."""
+    E, sigma_c = 2960.0, 70.5
+    return scene.with_(material={"E": E, "nu": 0.35, "sigma_c": sigma_c, "G_c": l_ch * sigma_c**2 / E})
+
+
+def auto(scene, *points, **options):
+    return failure_indices(
+        scene.with_(analysis={"points": [list(point) for point in points]}), "auto", **options
+    )
+
+
+HOLE, SIDE = gallery.circular_hole(), (70.0, 50.0)
+
+
+def test_a_tiny_critical_crack_needs_the_strength_alone():
+    brittle = with_irwin_length(HOLE, 0.02)
+    result = auto(brittle, SIDE).isel(position=0)
+    assert result.used_method == "strength" and result.governed_by == "stress"
+    stress = failure_indices(brittle.with_(analysis={"points": [SIDE]}), "rankine").failure_index[0]
+    assert float(result.failure_index) <= float(stress) * 1.001
+    assert "within 2 %" in str(result.reason.values)
+
+
+def test_a_tighter_tolerance_takes_a_more_costly_method_and_keeps_it():
+    used = {}
+    for tolerance in (0.05, 0.02, 0.001):
+        result = auto(with_irwin_length(HOLE, 4.0), SIDE, tolerance=tolerance).isel(position=0)
+        used[tolerance] = str(result.used_method.values)
+        assert float(result.failure_index_error) <= tolerance * float(result.failure_index)
+    assert used[0.05] == "slmm+ac" and used[0.001] == "dislocations"
+    assert "passed over: crack cell: error" in str(result.reason.values)
+
+
+def test_a_corner_goes_to_the_asymptotics_and_its_neighbour_to_full_fea():
+    result = auto(gallery.square_hole(), (65.0, 65.0), (65.0, 64.9))
+    assert result.used_method.values.tolist() == ["asymptotics", "full-fea"]
+    assert result.status.values.tolist() == ["ok", "ok"]
+    reasons = result.reason.values.tolist()
+    assert "crack cell: no cell: sharp corner" in reasons[0] and "dislocations: crack longer" in reasons[1]
+
+
+def test_a_root_too_sharp_for_dislocations_goes_to_the_asymptotics():
+    """The critical crack is 27 times as long as the radius."""
+    result = auto(gallery.v_notch(60.0, 0.005), (10.0, 60.0)).isel(position=0)
+    assert result.used_method == "asymptotics" and result.status == "ok"
+    assert float(result.failure_index_error) < 0.02 * float(result.failure_index)
+    assert "dislocations: error" in str(result.reason.values)
+
+
+@pytest.mark.parametrize(("nu", "state"), [(0.4999, "plane strain"), (-0.95, "plane stress")])
+def test_a_poissons_ratio_that_the_database_lacks_is_left_to_other_methods(nu, state):
+    material = {"E": 2960.0, "nu": nu, "sigma_c": 70.5, "K_Ic": 1.96, "state": state}
+    result = auto(gallery.circular_hole(5.0, material=material), (55.0, 50.0)).isel(position=0)
+    assert result.used_method == "dislocations" and result.status == "ok"
+    assert "holds the effective Poisson's ratios" in str(result.reason.values)
+
+
+def test_indices_far_below_the_largest_need_only_its_accuracy():
+    result = failure_indices(HOLE, "auto", positions=24)
+    FI, error = result.failure_index.values, result.failure_index_error.values
+    ok = result.status.values == "ok"
+    assert np.all(error[ok] <= 0.02 * np.maximum(FI[ok], MATTERS * np.nanmax(FI)))
+    small = ok & (MATTERS * np.nanmax(FI) > FI) & (error > 0.02 * FI)
+    assert all("of the quarter of the largest index" in reason for reason in result.reason.values[small])
+
+
+def test_long_cracks_from_surfaces_with_little_tension_are_left_out():
+    """A notch's flanks near the plate's edge: the stress grows with the depth, full FEA would look for long cracks."""
+    scene = gallery.rounded_square()
+    result = failure_indices(scene, "auto", positions=20)
+    out = result.status.values != "ok"
+    assert out.any()
+    assert all("strength keeps the index below 10 %" in status for status in result.status.values[out])
+    assert all(reason.startswith(ELSEWHERE) for reason in result.reason.values[out])
+    stress = failure_indices(
+        scene.with_(analysis={"local_model": "body-fitted"}), "rankine", positions=20
+    ).failure_index.values
+    assert np.all(stress[out] < 1.02 * NEGLIGIBLE * np.nanmax(result.failure_index))
+
+
+def test_sharp_notches_are_not_rastered():
+    result = auto(gallery.v_notch(60.0, 0.5), (10.0, 60.0)).isel(position=0)
+    assert result.used_method == "dislocations"
+    assert "voxels, which cost more than a body-fitted model" in str(result.reason.values)
+
+
+def test_without_the_finite_element_extra_cells_have_the_last_word(monkeypatch):
+    monkeypatch.setattr(by_choice, "find_spec", lambda name: None)
+    result = auto(HOLE, SIDE, tolerance=0.001).isel(position=0)
+    assert result.used_method == "slmm+ac" and result.status == "ok"
+    assert NO_FEA in str(result.reason.values)
+
+
+def test_given_displacements_serve_cells_alone():
+    from slmm.initiation.body_fitted import solve_body_fitted
+
+    scene = HOLE.with_(analysis={"points": [SIDE]})
+    model = solve_body_fitted(scene).fine
+    result = failure_indices(
+        scene, "auto", displacements=(model.points, {"triangle6": model.triangles}, model.u), tolerance=0.001
+    ).isel(position=0)
+    assert result.used_method == "slmm+ac"
+    assert GIVEN in str(result.reason.values)
+
+
+def test_every_position_says_what_was_used_and_why():
+    result = failure_indices(gallery.lobed_notch(), "auto", positions=12)
+    assert set(result.used_method.values) <= {
+        "strength",
+        "slmm+ac",
+        "dislocations",
+        "asymptotics",
+        "full-fea",
+    }
+    assert all(result.reason.values) and result.attrs["tolerance"] == 0.02
