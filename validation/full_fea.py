@@ -170,10 +170,12 @@ def cracks_at_a_hole() -> list[Check]:
     )
     L = np.array([0.1, 0.5, 1, 2])
     F = stress_intensity(curves, L * R) / np.sqrt(np.pi * L * R)
-    published = [2.813, 1.824, 1.444, 1.220]
-    return checks + compared(
-        "two cracks at a circular hole (Bowie)", "L/R", L, F, published, 1e-2, "formula of Tada, 1 %"
-    )
+    case = "two cracks at a circular hole (Bowie)"
+    checks += compared(case, "L/R", L, F, [2.786, 1.8329, 1.4721, 1.2445], 2e-3, "Newman 1971, collocation")
+    # the handbook's formula is 2 % too low for cracks as long as the radius
+    for x, ours, value in zip(L, F, [2.813, 1.824, 1.444, 1.220], strict=True):
+        checks.append(Check(case, f"F, L/R = {x:g}, formula of Tada", value, ours, rule="told"))
+    return checks
 
 
 def convergence() -> tuple[list[Check], list[np.ndarray]]:
