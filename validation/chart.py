@@ -260,7 +260,7 @@ CONFIGURATIONS = (
     Configuration("wider cells", "cell choice", by_method("slmm+ac", settings=fine_rule(0.03))),
     Configuration("cells on a mesh", "mesh", with_analysis("slmm+ac", local_model="body-fitted")),
     Configuration("dislocations", "dislocations", by_method("dislocations"), True),
-    Configuration("coarser mesh", "mesh of dislocations", with_mesh(2.0)),
+    Configuration("coarser mesh", "mesh of dislocations", with_mesh(1.5)),
     Configuration("finer mesh", "mesh of dislocations", with_mesh(0.5)),
     Configuration("auto, 5 %", "tolerance", by_method("auto", tolerance=0.05)),
     Configuration("auto, 2 %", "auto", by_method("auto"), True),

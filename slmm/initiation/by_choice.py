@@ -24,8 +24,9 @@ from slmm.initiation.task import Answer, Task
 #: with more voxels than this a body-fitted model is cheaper
 VOXELS_AFFORDED = 700**2
 
-#: with at least this tolerance dislocations do with elements so many times as large
-LOOSE, COARSENESS = 0.01, 2.0
+#: with at least this tolerance dislocations do with elements so many times as large, up to this effective Poisson's
+#: ratio: nearer to 1, that is incompressible, elements lock
+LOOSE, COARSENESS, LOCKING = 0.01, 1.5, 0.95
 #: indices below this share of the largest one need no more than its accuracy
 MATTERS = 0.25
 #: and where the strength alone keeps the index below this share, long cracks are left out
@@ -61,7 +62,8 @@ def by_choice(task: Task) -> Answer:
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
     left = choice.open
-    coarseness = COARSENESS if task.tolerance >= LOOSE else 1.0
+    loose = task.tolerance >= LOOSE and task.scene.material.plane_stress_equivalent[1] < LOCKING
+    coarseness = COARSENESS if loose else 1.0
     choice.ask("dislocations", partial(by_dislocations, coarseness=coarseness), left[task.smooth[left]])
     choice.leave_out_negligible()
     left = choice.open
