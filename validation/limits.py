@@ -223,7 +223,8 @@ def asked(case: Case, method: str) -> Row:
     try:
         result = failure_indices(case.scene, method).isel(position=0)
     except (ValueError, RuntimeError) as error:
-        return {"FI": np.nan, "estimate": np.nan, "status": str(error), "used_method": method, "reason": ""}
+        status = str(error).removeprefix(f"{Path.cwd()}/")
+        return {"FI": np.nan, "estimate": np.nan, "status": status, "used_method": method, "reason": ""}
     return {
         "FI": float(result.failure_index),
         "estimate": float(result.failure_index_error),
