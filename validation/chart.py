@@ -543,6 +543,10 @@ COLOURS = {
 }
 
 
+#: of a label in the chart, decades
+LABEL_WIDTH, LABEL_HEIGHT = 0.36, 0.085
+
+
 def front(lines: list[Row], error: str) -> list[Row]:
     """Configurations that no other beats in time and error, by time; those that answer nearly everywhere."""
     known = [line for line in lines if float(line["answered"]) > 0.9 and np.isfinite(float(line[error]))]
@@ -579,7 +583,8 @@ def draw_panel(axis: Axes, lines: list[Row], error: str) -> None:
         solid_joinstyle="round",
         label="Pareto front (90 %)",
     )
-    for line in lines:
+    placed: list[tuple[float, float]] = []  # logarithms of where labels stand
+    for line in sorted(lines, key=lambda line: -float(line[f"{error}_median"])):
         x, y, top = (float(line[key]) for key in ("seconds", f"{error}_median", f"{error}_90"))
         if not np.isfinite(y):
             continue
@@ -588,11 +593,17 @@ def draw_panel(axis: Axes, lines: list[Row], error: str) -> None:
         axis.plot([x, x], [y, top], color=colour, lw=1.0, alpha=0.6)
         axis.plot(x, y, "o", ms=4 if knob else 8, color=colour, mfc="white" if knob else colour)
         answered = "" if float(line["answered"]) > 0.995 else f" ({100 * float(line['answered']):.0f} %)"
+        height = np.log10(y)
+        for at, taken in placed:
+            if abs(np.log10(x) - at) < LABEL_WIDTH and height > taken - LABEL_HEIGHT:
+                height = min(height, taken - LABEL_HEIGHT)
+        placed.append((float(np.log10(x)), float(height)))
         axis.annotate(
             f"{line['configuration']}{answered}",
-            (x, y),
-            xytext=(6, -3),
-            textcoords="offset points",
+            (x * 1.02, y),
+            (x * 1.12, 10**height),
+            va="center",
+            arrowprops={"arrowstyle": "-", "lw": 0.4, "color": colour, "shrinkA": 0},
             fontsize=6.5 if knob else 8.5,
             color=colour,
         )
