@@ -28,6 +28,7 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -614,7 +615,7 @@ def draw_panel(axis: Axes, lines: list[Row], error: str) -> None:
 
 def main(quick: bool = False) -> list[Check]:
     names = QUICK if quick else tuple(SCENES)
-    with ProcessPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
+    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as pool:
         cases = list(track(pool.map(prepare, names), "the truth", len(names)))
     for configuration in CONFIGURATIONS:  # compile and load before the clock runs
         measure(cases[0], configuration)

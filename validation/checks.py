@@ -98,6 +98,6 @@ def save(name: str, rows: Iterable[Mapping[str, object]]) -> None:
 def run(main: Callable[[bool], list[Check]], doc: str | None) -> None:
     """Command line of a script: ``--quick``; ends with 1 where a requirement is not met."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="a small part, below half a minute, no files")
+    parser.add_argument("--quick", action="store_true", help="a small part, a minute at most, no files")
     checks = main(parser.parse_args().quick)
     raise SystemExit(0 if all(check.holds for check in checks) else 1)

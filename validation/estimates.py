@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import matplotlib
 import numpy as np
@@ -99,7 +100,7 @@ def examine(seed: int) -> list[Row]:
 
 
 def gathered(seeds: range) -> list[Row]:
-    with ProcessPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
+    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as pool:
         return [row for rows in pool.map(examine, seeds) for row in rows]
 
 

@@ -57,7 +57,7 @@ def index_along(scene: Scene) -> Index:
 def critical_positions(index: np.ndarray) -> list[int]:
     """Maxima of the failure index along the closed outline, the highest first."""
     index = np.nan_to_num(index)
-    peaks = (index > np.roll(index, 1)) & (index >= np.roll(index, -1)) & (index > MINOR * index.max())
+    peaks = (index > np.roll(index, 1)) & (index >= np.roll(index, -1)) & (index > MINOR * np.nanmax(index))
     return sorted(np.flatnonzero(peaks).tolist(), key=lambda i: -index[i])
 
 
@@ -167,7 +167,9 @@ def draw(found: dict[str, Index], full: dict[str, np.ndarray]) -> None:
             row[1].annotate(
                 f"({k + 1})", (s[i], full[load][i]), (0, 9), textcoords="offset points", ha="center"
             )
-        row[1].set(xlabel="position s in mm", ylabel="failure index FI", ylim=(0, 1.15 * np.max(full[load])))
+        row[1].set(
+            xlabel="position s in mm", ylabel="failure index FI", ylim=(0, 1.15 * np.nanmax(full[load]))
+        )
         draw_criterion(row[2], scene, critical[0])
     lines = [Line2D([], [], **REFERENCE, label=FULL)]
     lines += [Line2D([], [], **line, label=label) for label, (_, _, line) in METHODS.items()]
