@@ -122,7 +122,7 @@ class _Choice:
     def settle(self) -> None:
         """Find the positions whose error is small enough beside their index or the largest one."""
         allowed = self.task.tolerance * np.maximum(self.index, MATTERS * self.largest)
-        self.settled = self.answer.error * self.index <= allowed
+        self.settled |= self.answer.error * self.index <= allowed
 
     def leave_out_negligible(self) -> None:
         """Give up where no value was found yet, and none could matter: the surface must reach the strength too."""

@@ -91,6 +91,13 @@ def test_long_cracks_from_surfaces_with_little_tension_are_left_out():
     assert np.all(stress[out] < 1.02 * NEGLIGIBLE * np.nanmax(result.failure_index))
 
 
+def test_what_is_left_out_stays_so_when_others_are_looked_at_closer():
+    result = auto(gallery.rounded_square(), (51.97, 65.0), (65.0, 59.0), tolerance=0.0005)
+    assert result.reason.values[0].startswith(ELSEWHERE) and np.isnan(result.failure_index[0])
+    assert result.used_method.values[1] == "full-fea"
+    assert "full FEA" not in str(result.reason.values[0])
+
+
 def test_sharp_notches_are_not_rastered():
     result = auto(gallery.v_notch(60.0, 0.5), (10.0, 60.0)).isel(position=0)
     assert result.used_method == "dislocations"
