@@ -17,7 +17,8 @@ from precompute.crack_cell import HALF_HEIGHT, right_edge
 from precompute.spec import SweepSpec
 from precompute.sweep import part_file
 from slmm import __version__
-from slmm.cell_file import LAYOUT, SCHEMA, checksum
+from slmm.cell_file import LAYOUT, SCHEMA
+from slmm.model_file import checksum
 
 
 def assemble(spec: SweepSpec, folder: Path) -> xr.Dataset:

@@ -39,10 +39,10 @@ from rich.progress import track
 from precompute.half_body import HalfBody
 from precompute.store import rounded
 from slmm import __version__
-from slmm.cell_file import checksum
 from slmm.fem.crack_line import crack_factor
-from slmm.initiation.asymptotics import LAYOUT, SCHEMA
+from slmm.initiation.v_notch_table import LAYOUT, SCHEMA
 from slmm.initiation.williams import half_angle, release_coefficient, singular_exponent, williams_fields
+from slmm.model_file import checksum
 
 #: Poisson's ratio of the models; no result depends on it
 NU = 0.3

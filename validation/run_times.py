@@ -51,8 +51,9 @@ import matplotlib.pyplot as plt
 POSITIONS, VOXELS = 50, 1_000_000
 #: of the time of the slow way, at most
 SHARE = 0.1
-#: difference of the released energies, at most: the slow way subtracts large numbers
-AGREEMENT = 1e-5
+#: difference of the released energies over that of the longest crack, at most: the slow way subtracts energies of
+#: the whole plate, up to 2e7 times as large as what a short crack releases, and loses the digits of those
+AGREEMENT = 1e-9
 SOURCE = "Paper A, 3.2"
 #: angles of the positions that stand for all 50 in full FEA, degrees
 SOME = (0.0, 30.0, 60.0, 90.0)
@@ -183,7 +184,7 @@ def lengths_compared(levels: int, repeats: int, with_metis: bool) -> list[dict[s
             "ours_wall": ours.wall,
             "each_cpu": naive.cpu,
             "each_wall": naive.wall,
-            "difference": float(np.abs(naive_W / W - 1).max()),
+            "difference": float(np.abs(naive_W - W).max() / W[-1]),
         }
         if with_metis:
             _, metis = clocked(lambda m=mesh, t=tips: one_for_each(m, path, t, by_metis))
@@ -213,7 +214,11 @@ def many_lengths(quick: bool) -> tuple[list[Check], list[dict[str, float]]]:
         Check(case, "CPU time over that of a solve per length", SHARE, share, rule=rule),
         Check(case, "wall time over that of a solve per length", SHARE, walls, rule="told"),
         Check(
-            case, "difference of the energies", AGREEMENT, max(r["difference"] for r in rows), rule="at most"
+            case,
+            "difference of the energies, over the longest crack's",
+            AGREEMENT,
+            max(r["difference"] for r in rows),
+            rule="at most",
         ),
     ]
     if not quick:

@@ -146,8 +146,8 @@ ELEMENTS = {
     )
 }
 
-#: names of Abaqus and CalculiX whose nodes and points are those of another element; plane stress elements too, but
-#: the strain out of their plane is neglected, which the small strain of their "dbf" forces does not contain
+#: names of Abaqus and CalculiX whose nodes and points are those of another element; for those of plane stress the
+#: stretch out of the plane is taken as 1, which errs by as much as the strain
 ALIASES = {
     alias: name
     for name, aliases in {

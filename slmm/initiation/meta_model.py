@@ -20,20 +20,17 @@ from numpy.polynomial import legendre
 from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import CubicSpline
 
-from slmm.cell_file import DatabaseError, read_cells
+from slmm.cell_file import read_cells
 from slmm.initiation.placement import CELL_LENGTH
+from slmm.model_file import DatabaseError, shipped
 
 #: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes
 RIGID = 1e-7
 
 
 def shipped_database() -> Path:
-    """The database that comes with the package: models/ in a checkout, slmm/models in a wheel."""
-    package = Path(__file__).resolve().parents[1]
-    for folder in (package / "models", package.parent / "models"):
-        if (folder / "cells.nc").is_file():
-            return folder / "cells.nc"
-    raise DatabaseError(f"no cells.nc in {package / 'models'} or {package.parent / 'models'}")
+    """The database of crack cells that comes with the package."""
+    return shipped("cells.nc")
 
 
 class PoissonNotHeldError(DatabaseError):

@@ -10,24 +10,21 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
 from slmm import Material, coupled_criterion
-from slmm.cell_file import DatabaseError
 from slmm.initiation.asymptotics import (
-    SCHEMA,
     blunted_curves,
     critical_intensity,
     generalised_intensity,
     intensity_from_root_stress,
-    load_v_notches,
-    read_v_notches,
     sharp_curves,
-    shipped_table,
 )
+from slmm.initiation.v_notch_table import SCHEMA, load_v_notches, read_v_notches
 from slmm.initiation.williams import (
     decaying_fields,
     release_coefficient,
     singular_exponent,
     williams_fields,
 )
+from slmm.model_file import DatabaseError, shipped
 
 E, NU = 3000.0, 0.35
 TIP, DIRECTION = np.array([3.0, -2.0]), np.array([1.0, 2.0])
@@ -328,7 +325,7 @@ def test_impossible_notches_are_named(change, named):
 @pytest.fixture
 def table(tmp_path):
     path = tmp_path / "v_notches.nc"
-    path.write_bytes(shipped_table().read_bytes())
+    path.write_bytes(shipped("v_notches.nc").read_bytes())
     return path
 
 
@@ -376,4 +373,4 @@ def test_shipped_table_reaches_from_crack_to_straight_edge():
     table = load_v_notches()
     assert table.opening[0] == 0 and table.opening[-1] == math.pi
     assert table.length[0] == 0 and table.length[1] <= 0.0103 and table.length[-1] == pytest.approx(100.0)
-    assert shipped_table().stat().st_size < 300_000
+    assert shipped("v_notches.nc").stat().st_size < 300_000

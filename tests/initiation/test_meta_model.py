@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slmm.cell_file import DatabaseError, checksum, read_cells
+from slmm.cell_file import read_cells
 from slmm.initiation.cells import select_modes
 from slmm.initiation.contact import tip_opening
 from slmm.initiation.meta_model import (
@@ -12,6 +12,7 @@ from slmm.initiation.meta_model import (
     polynomial_matrix,
     shipped_database,
 )
+from slmm.model_file import DatabaseError, checksum
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ import xarray as xr
 from precompute.spec import SweepSpec
 from precompute.store import assemble, rounded, write
 from precompute.sweep import run_sweep
-from slmm.cell_file import SCHEMA, DatabaseError, read_cells
+from slmm.cell_file import SCHEMA, read_cells
+from slmm.model_file import DatabaseError
 
 SPEC = SweepSpec(
     curvature=(-0.5, 0.0),
@@ -107,7 +108,7 @@ def test_file_of_another_schema_is_refused(database, schema):
 def test_foreign_netcdf_is_refused(tmp_path):
     path = tmp_path / "rain.nc"
     xr.Dataset({"rain": ("day", np.arange(3.0))}).to_netcdf(path)
-    with pytest.raises(DatabaseError, match="not a crack-cell database"):
+    with pytest.raises(DatabaseError, match="not a file of `slmm-precompute`"):
         read_cells(path)
 
 

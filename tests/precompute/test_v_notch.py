@@ -25,8 +25,9 @@ from precompute.v_notch import (
     solve_notch,
     write,
 )
-from slmm.initiation.asymptotics import load_v_notches, read_v_notches, shipped_table
+from slmm.initiation.v_notch_table import load_v_notches, read_v_notches
 from slmm.initiation.williams import release_coefficient, singular_exponent
+from slmm.model_file import shipped
 
 COARSE = NotchSpec(openings=(0.0, 90.0), step=0.2, far=1e5, near=1e-4)
 RIGHT = math.pi / 2
@@ -168,7 +169,7 @@ def test_command_writes_the_table(tmp_path, monkeypatch):
 
 
 def test_shipped_table_is_that_of_the_settings_and_its_meshes_are_good():
-    with xr.open_dataset(shipped_table()) as table:
+    with xr.open_dataset(shipped("v_notches.nc")) as table:
         assert json.loads(table.attrs["settings"]) == json.loads(json.dumps(asdict(NotchSpec())))
         for opening, sharp in zip(table["opening"].values, table["sharp_release"].values, strict=True):
             for symmetric, computed in zip((True, False), sharp, strict=True):

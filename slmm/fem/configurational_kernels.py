@@ -1,0 +1,280 @@
+"""Kernels of configurational forces: loops over elements and integration points, in parallel over the elements.
+
+What is only a step on the way has arrays of its own (`deformation_gradients`, `piola_stresses`,
+`configurational_stresses`); the forces themselves keep everything between in registers, the matrices of solids as
+tuples of nine numbers by rows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+# a division by zero gives what is not finite, which is looked for afterwards
+small = njit(cache=True, error_model="numpy")
+over_elements = njit(parallel=True, cache=True, error_model="numpy")
+
+
+@small
+def _invert(J, inverse, d):
+    """Inverse of the leading (d, d) of a matrix, and its determinant."""
+    if d == 2:
+        det = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+        inverse[0, 0], inverse[0, 1] = J[1, 1] / det, -J[0, 1] / det
+        inverse[1, 0], inverse[1, 1] = -J[1, 0] / det, J[0, 0] / det
+        return det
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for m in range(3):
+            p, q = (m + 1) % 3, (m + 2) % 3
+            inverse[m, i] = J[j, p] * J[k, q] - J[j, q] * J[k, p]
+    det = J[0, 0] * inverse[0, 0] + J[0, 1] * inverse[1, 0] + J[0, 2] * inverse[2, 0]
+    for i in range(3):
+        for j in range(3):
+            inverse[i, j] /= det
+    return det
+
+
+@small
+def _product(a, b, result, n):
+    """sum_k a[k, i] b[k, j] over the n rows of a (n, d) and b (n, d)."""
+    d = a.shape[1]
+    for i in range(d):
+        for j in range(d):
+            total = 0.0
+            for k in range(n):
+                total += a[k, i] * b[k, j]
+            result[i, j] = total
+
+
+@small
+def _cofactor(F, result, d):
+    """det(F) F^-T."""
+    if d == 2:
+        result[0, 0], result[0, 1] = F[1, 1], -F[1, 0]
+        result[1, 0], result[1, 1] = -F[0, 1], F[0, 0]
+        return
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for m in range(3):
+            p, q = (m + 1) % 3, (m + 2) % 3
+            result[i, m] = F[j, p] * F[k, q] - F[j, q] * F[k, p]
+
+
+@over_elements
+def deformation_gradients(X, U, dN):
+    """Deformation gradients (el, ips, d, d)."""
+    elements, n, d = X.shape
+    result = np.empty((elements, len(dN), d, d))
+    for e in prange(elements):
+        J, inverse, dU = np.empty((d, d)), np.empty((d, d)), np.empty((d, d))
+        for q in range(len(dN)):
+            _product(X[e], dN[q], J, n)
+            _invert(J, inverse, d)
+            _product(U[e], dN[q], dU, n)
+            for i in range(d):
+                for j in range(d):
+                    total = 1.0 if i == j else 0.0
+                    for k in range(d):
+                        total += dU[i, k] * inverse[k, j]
+                    result[e, q, i, j] = total
+    return result
+
+
+@over_elements
+def piola_stresses(F, S):
+    """P = det(F) S F^-T (el, ips, d, d)."""
+    elements, points, d, _ = F.shape
+    result = np.empty_like(F)
+    for e in prange(elements):
+        cofactor = np.empty((d, d))
+        for q in range(points):
+            _cofactor(F[e, q], cofactor, d)
+            for i in range(d):
+                for j in range(d):
+                    total = 0.0
+                    for k in range(d):
+                        total += S[e, q, i, k] * cofactor[k, j]
+                    result[e, q, i, j] = total
+    return result
+
+
+@over_elements
+def configurational_stresses(F, P, energy, displacement_based):
+    """e I - F^T P, or e I - (F - I)^T P (el, ips, d, d)."""
+    elements, points, d, _ = F.shape
+    result = np.empty_like(F)
+    for e in prange(elements):
+        for q in range(points):
+            for i in range(d):
+                for j in range(d):
+                    total = energy[e, q] if i == j else 0.0
+                    for k in range(d):
+                        total -= F[e, q, k, i] * P[e, q, k, j]
+                    if displacement_based:
+                        total += P[e, q, i, j]
+                    result[e, q, i, j] = total
+    return result
+
+
+@over_elements
+def forces_2d(X, U, S, energy, dN, weights, displacement_based):
+    """Configurational forces (el, n, 2), and the least det dX/dR over its largest entry's power (el,)."""
+    elements, n, _ = X.shape
+    result, least = np.zeros((elements, n, 2)), np.empty(elements)
+    minus = 1.0 if displacement_based else 0.0
+    for e in prange(elements):
+        smallest = np.inf
+        for q in range(len(dN)):
+            a = b = c = d = s = t = v = w = 0.0
+            for k in range(n):
+                r0, r1 = dN[q, k, 0], dN[q, k, 1]
+                x, y, ux, uy = X[e, k, 0], X[e, k, 1], U[e, k, 0], U[e, k, 1]
+                a, b, c, d = a + x * r0, b + x * r1, c + y * r0, d + y * r1
+                s, t, v, w = s + ux * r0, t + ux * r1, v + uy * r0, w + uy * r1
+            det = a * d - b * c
+            size = max(abs(a), abs(b), abs(c), abs(d))
+            smallest = min(smallest, det / (size * size))
+            i00, i01, i10, i11 = d / det, -b / det, -c / det, a / det
+            f00, f01 = 1.0 + s * i00 + t * i10, s * i01 + t * i11
+            f10, f11 = v * i00 + w * i10, 1.0 + v * i01 + w * i11
+            s00, s01, s10, s11 = S[e, q, 0, 0], S[e, q, 0, 1], S[e, q, 1, 0], S[e, q, 1, 1]
+            p00, p01 = s00 * f11 - s01 * f01, s01 * f00 - s00 * f10
+            p10, p11 = s10 * f11 - s11 * f01, s11 * f00 - s10 * f10
+            f00, f11 = f00 - minus, f11 - minus
+            c00, c01 = energy[e, q] - f00 * p00 - f10 * p10, -f00 * p01 - f10 * p11
+            c10, c11 = -f01 * p00 - f11 * p10, energy[e, q] - f01 * p01 - f11 * p11
+            volume = weights[q] * det
+            g00, g01 = (c00 * i00 + c01 * i01) * volume, (c00 * i10 + c01 * i11) * volume
+            g10, g11 = (c10 * i00 + c11 * i01) * volume, (c10 * i10 + c11 * i11) * volume
+            for k in range(n):
+                r0, r1 = dN[q, k, 0], dN[q, k, 1]
+                result[e, k, 0] += g00 * r0 + g01 * r1
+                result[e, k, 1] += g10 * r0 + g11 * r1
+        least[e] = smallest
+    return result, least
+
+
+@small
+def _cofactors(m):
+    """Cofactors of a 3 x 3 matrix, as the nine numbers of its rows."""
+    a, b, c, d, e, f, g, h, i = m
+    return (
+        e * i - f * h,
+        f * g - d * i,
+        d * h - e * g,
+        c * h - b * i,
+        a * i - c * g,
+        b * g - a * h,
+        b * f - c * e,
+        c * d - a * f,
+        a * e - b * d,
+    )
+
+
+@small
+def _with_outer(m, x, y, z, p, q, r):
+    """M and the outer product of two vectors."""
+    a, b, c, d, e, f, g, h, i = m
+    return (
+        a + x * p,
+        b + x * q,
+        c + x * r,
+        d + y * p,
+        e + y * q,
+        f + y * r,
+        g + z * p,
+        h + z * q,
+        i + z * r,
+    )
+
+
+@small
+def _times(m, k, diagonal):
+    """M K^T of two 3 x 3 matrices, and a number on the diagonal."""
+    a, b, c, d, e, f, g, h, i = m
+    p, q, r, s, t, u, v, w, x = k
+    return (
+        a * p + b * q + c * r + diagonal,
+        a * s + b * t + c * u,
+        a * v + b * w + c * x,
+        d * p + e * q + f * r,
+        d * s + e * t + f * u + diagonal,
+        d * v + e * w + f * x,
+        g * p + h * q + i * r,
+        g * s + h * t + i * u,
+        g * v + h * w + i * x + diagonal,
+    )
+
+
+@small
+def _transposed(m):
+    a, b, c, d, e, f, g, h, i = m
+    return a, d, g, b, e, h, c, f, i
+
+
+@small
+def _scaled(m, factor):
+    a, b, c, d, e, f, g, h, i = m
+    return (
+        a * factor,
+        b * factor,
+        c * factor,
+        d * factor,
+        e * factor,
+        f * factor,
+        g * factor,
+        h * factor,
+        i * factor,
+    )
+
+
+@over_elements
+def forces_3d(X, U, S, energy, dN, weights, displacement_based):
+    """Configurational forces (el, n, 3), and the least det dX/dR over its largest entry's power (el,)."""
+    elements, n, _ = X.shape
+    result, least = np.zeros((elements, n, 3)), np.empty(elements)
+    minus = 1.0 if displacement_based else 0.0
+    for e in prange(elements):
+        smallest = np.inf
+        for q in range(len(dN)):
+            J = dU = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+            for k in range(n):
+                r0, r1, r2 = dN[q, k, 0], dN[q, k, 1], dN[q, k, 2]
+                J = _with_outer(J, X[e, k, 0], X[e, k, 1], X[e, k, 2], r0, r1, r2)
+                dU = _with_outer(dU, U[e, k, 0], U[e, k, 1], U[e, k, 2], r0, r1, r2)
+            cofactors = _cofactors(J)
+            det = J[0] * cofactors[0] + J[1] * cofactors[1] + J[2] * cofactors[2]
+            size = 0.0
+            for number in J:
+                size = max(size, abs(number))
+            smallest = min(smallest, det / (size * size * size))
+            # of dX/dR the inverse's transpose
+            inverse = _scaled(cofactors, 1.0 / det)
+            F = _times(dU, inverse, 1.0)
+            stress = S[e, q]
+            P = _times(
+                (
+                    stress[0, 0],
+                    stress[0, 1],
+                    stress[0, 2],
+                    stress[1, 0],
+                    stress[1, 1],
+                    stress[1, 2],
+                    stress[2, 0],
+                    stress[2, 1],
+                    stress[2, 2],
+                ),
+                _transposed(_cofactors(F)),
+                0.0,
+            )
+            H = (F[0] - minus, F[1], F[2], F[3], F[4] - minus, F[5], F[6], F[7], F[8] - minus)
+            product = _scaled(_times(_transposed(H), _transposed(P), -energy[e, q]), -weights[q] * det)
+            G = _times(product, _transposed(inverse), 0.0)
+            for k in range(n):
+                r0, r1, r2 = dN[q, k, 0], dN[q, k, 1], dN[q, k, 2]
+                result[e, k, 0] += G[0] * r0 + G[1] * r1 + G[2] * r2
+                result[e, k, 1] += G[3] * r0 + G[4] * r1 + G[5] * r2
+                result[e, k, 2] += G[6] * r0 + G[7] * r1 + G[8] * r2
+        least[e] = smallest
+    return result, least
