@@ -237,8 +237,9 @@ def nodal_configurational_forces(
                 raise ValueError(
                     f"{name} has no values of {element_type}, of which there are {len(nodes)} elements"
                 )
-        if nodes.size and not (nodes.min() >= 0 and nodes.max() < len(points)):
-            raise ValueError(f"cells[{element_type!r}] names node {nodes.max()}: there are {len(points)}")
+        unknown = nodes[(nodes < 0) | (nodes >= len(points))]
+        if unknown.size:
+            raise ValueError(f"cells[{element_type!r}] names node {unknown[0]}: there are {len(points)}")
         forces = compute_CF(
             points[nodes], u[nodes], stress[element_type], energy[element_type], element_type, method
         )
