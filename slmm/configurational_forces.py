@@ -9,7 +9,9 @@ release rate, turned round (thesis Eq. 3.15). From the results of any finite ele
 with the shape functions N of the node and the configurational stress CS = e I - F^T P (Eshelby's, "mbf": motion
 based) or e I - H^T P ("dbf": displacement based); F = I + H is the deformation gradient, P the first Piola-Kirchhoff
 stress and e the energy density per undeformed volume. "dbf" moves a node with its displacement kept, "mbf" with its
-place in the deformed body kept. Their difference is the internal nodal force, zero at free nodes in balance.
+place in the deformed body kept. Their difference is the internal nodal force, zero at free nodes in balance. Where
+strains are small and the program was geometrically linear, P is the stress itself: "linear" is e I - H^T sigma, the
+derivative at kept displacements of what such a program minimises.
 
 The names and shapes of arguments are those that Paper B published. Elements, their nodes and integration points are
 those of `slmm.fem.elements`.
@@ -31,7 +33,7 @@ from slmm.fem.configurational_kernels import (
 )
 from slmm.fem.elements import Element, element_named
 
-METHODS = ("mbf", "dbf")
+METHODS = ("mbf", "dbf", "linear")
 
 #: an element's least det dX/dR over its largest side to the power of the dimension
 DEGENERATE = 1e-10
@@ -117,8 +119,8 @@ def compute_CS(
         See `compute_P`.
     e_at_int_points : array_like (el, ips)
         Energy densities per undeformed volume, MPa.
-    method : {"mbf", "dbf"}
-        Motion based (Eshelby's stress) or displacement based.
+    method : {"mbf", "dbf", "linear"}
+        Motion based (Eshelby's stress), displacement based, or displacement based with small strains.
 
     Raises
     ------
@@ -138,7 +140,8 @@ def compute_CS(
     _check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S, e_at_int_points=e)
     _check_volumes(element, X)
     F = deformation_gradients(X, U, element.gradient_at_points)
-    return configurational_stresses(F, piola_stresses(F, S), e, method == "dbf")
+    P = S if method == "linear" else piola_stresses(F, S)
+    return configurational_stresses(F, P, e, method != "mbf")
 
 
 def compute_CF(
@@ -172,7 +175,9 @@ def compute_CF(
         X_at_nodes, U_at_nodes, S_at_int_points, e_at_int_points, element_type, method
     )
     kernel = forces_2d if element.dimension == 2 else forces_3d
-    forces, least = kernel(X, U, S, e, element.gradient_at_points, element.weights, method == "dbf")
+    forces, least = kernel(
+        X, U, S, e, element.gradient_at_points, element.weights, method != "mbf", method == "linear"
+    )
     # whatever is wrong shows here: the input is searched for it only then
     with np.errstate(invalid="ignore"):
         finite = np.isfinite(forces.sum())
@@ -191,6 +196,7 @@ def nodal_configurational_forces(
     energy: Mapping[str, ArrayLike],
     method: str = "mbf",
     thickness: float = 1.0,
+    stretch: Mapping[str, ArrayLike] | None = None,
 ) -> np.ndarray:
     """Configurational forces (n, d) on the nodes of a mesh of any elements, N.
 
@@ -204,10 +210,13 @@ def nodal_configurational_forces(
         Cauchy stresses at the integration points of each type, MPa.
     energy : mapping of str to array_like (el, ips)
         Energy densities per undeformed volume, MPa.
-    method : {"mbf", "dbf"}
+    method : {"mbf", "dbf", "linear"}
         See `compute_CS`.
     thickness : float
-        Of plane elements, mm.
+        Of undeformed plane elements, mm.
+    stretch : mapping of str to array_like (el, ips), optional
+        Of plane stress with large strains: how many times thicker the plate is at each point, F_zz. Without it,
+        nothing stretches out of the plane; with small strains ("linear") it does not matter.
 
     Raises
     ------
@@ -229,20 +238,26 @@ def nodal_configurational_forces(
     points, u = np.asarray(points, dtype=float), np.asarray(u, dtype=float)
     if points.ndim != 2 or points.shape != u.shape:
         raise ValueError(f"u has the shape {u.shape}: points have {points.shape}")
+    if stretch is not None and (method == "linear" or points.shape[1] != 2):
+        raise ValueError(
+            "stretch belongs to large strains of plane elements: leave it out with method 'linear' and in 3D"
+        )
     total = np.zeros_like(points)
     for element_type, nodes in cells.items():
         nodes = np.asarray(nodes)
-        for name, given in (("stress", stress), ("energy", energy)):
-            if element_type not in given:
+        for name, given in (("stress", stress), ("energy", energy), ("stretch", stretch)):
+            if given is not None and element_type not in given:
                 raise ValueError(
                     f"{name} has no values of {element_type}, of which there are {len(nodes)} elements"
                 )
         unknown = nodes[(nodes < 0) | (nodes >= len(points))]
         if unknown.size:
             raise ValueError(f"cells[{element_type!r}] names node {unknown[0]}: there are {len(points)}")
-        forces = compute_CF(
-            points[nodes], u[nodes], stress[element_type], energy[element_type], element_type, method
-        )
+        S = np.asarray(stress[element_type], dtype=float)
+        if stretch is not None:
+            # of P = det F sigma F^-T the determinant has the third stretch as a factor
+            S = S * np.asarray(stretch[element_type], dtype=float)[..., None, None]
+        forces = compute_CF(points[nodes], u[nodes], S, energy[element_type], element_type, method)
         for i in range(points.shape[1]):
             total[:, i] += np.bincount(nodes.ravel(), forces[..., i].ravel(), len(points))
     return thickness * total

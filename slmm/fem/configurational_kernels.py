@@ -118,7 +118,7 @@ def configurational_stresses(F, P, energy, displacement_based):
 
 
 @over_elements
-def forces_2d(X, U, S, energy, dN, weights, displacement_based):
+def forces_2d(X, U, S, energy, dN, weights, displacement_based, linear):
     """Configurational forces (el, n, 2), and the least det dX/dR over its largest entry's power (el,)."""
     elements, n, _ = X.shape
     result, least = np.zeros((elements, n, 2)), np.empty(elements)
@@ -139,8 +139,11 @@ def forces_2d(X, U, S, energy, dN, weights, displacement_based):
             f00, f01 = 1.0 + s * i00 + t * i10, s * i01 + t * i11
             f10, f11 = v * i00 + w * i10, 1.0 + v * i01 + w * i11
             s00, s01, s10, s11 = S[e, q, 0, 0], S[e, q, 0, 1], S[e, q, 1, 0], S[e, q, 1, 1]
-            p00, p01 = s00 * f11 - s01 * f01, s01 * f00 - s00 * f10
-            p10, p11 = s10 * f11 - s11 * f01, s11 * f00 - s10 * f10
+            if linear:
+                p00, p01, p10, p11 = s00, s01, s10, s11
+            else:
+                p00, p01 = s00 * f11 - s01 * f01, s01 * f00 - s00 * f10
+                p10, p11 = s10 * f11 - s11 * f01, s11 * f00 - s10 * f10
             f00, f11 = f00 - minus, f11 - minus
             c00, c01 = energy[e, q] - f00 * p00 - f10 * p10, -f00 * p01 - f10 * p11
             c10, c11 = -f01 * p00 - f11 * p10, energy[e, q] - f01 * p01 - f11 * p11
@@ -230,7 +233,7 @@ def _scaled(m, factor):
 
 
 @over_elements
-def forces_3d(X, U, S, energy, dN, weights, displacement_based):
+def forces_3d(X, U, S, energy, dN, weights, displacement_based, linear):
     """Configurational forces (el, n, 3), and the least det dX/dR over its largest entry's power (el,)."""
     elements, n, _ = X.shape
     result, least = np.zeros((elements, n, 3)), np.empty(elements)
@@ -252,22 +255,10 @@ def forces_3d(X, U, S, energy, dN, weights, displacement_based):
             # of dX/dR the inverse's transpose
             inverse = _scaled(cofactors, 1.0 / det)
             F = _times(dU, inverse, 1.0)
-            stress = S[e, q]
-            P = _times(
-                (
-                    stress[0, 0],
-                    stress[0, 1],
-                    stress[0, 2],
-                    stress[1, 0],
-                    stress[1, 1],
-                    stress[1, 2],
-                    stress[2, 0],
-                    stress[2, 1],
-                    stress[2, 2],
-                ),
-                _transposed(_cofactors(F)),
-                0.0,
-            )
+            s = S[e, q]
+            P = (s[0, 0], s[0, 1], s[0, 2], s[1, 0], s[1, 1], s[1, 2], s[2, 0], s[2, 1], s[2, 2])
+            if not linear:
+                P = _times(P, _transposed(_cofactors(F)), 0.0)
             H = (F[0] - minus, F[1], F[2], F[3], F[4] - minus, F[5], F[6], F[7], F[8] - minus)
             product = _scaled(_times(_transposed(H), _transposed(P), -energy[e, q]), -weights[q] * det)
             G = _times(product, _transposed(inverse), 0.0)
