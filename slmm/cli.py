@@ -5,12 +5,9 @@ Libraries that take long to import are imported where they are needed, so that h
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import shlex
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,17 +17,29 @@ from rich.console import Console
 from rich.table import Table
 
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS  # the package itself has imported it
+from slmm.terminal import (
+    check_no_input,
+    check_target,
+    console,
+    progress_bar,
+    refusals,
+    say_error,
+    whole_file,
+    word_on_compilation,
+)
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
+
+    from slmm.fem.element_results import ElementResults
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
 RESULT_FORMATS = (".nc",)
+MESH_FORMATS = (".vtu",)
 PICTURE_FORMATS = (".png", ".pdf", ".svg")
 LISTED = 10  # positions in the table
-FILE_WIDTH = 100  # columns where there is no terminal
-BAD_INPUT = 2
 
 
 def _show_version(wanted: bool) -> None:
@@ -89,17 +98,17 @@ def initiation(
     ] = None,
 ) -> None:
     """Failure indices along the notches of a scene."""
-    with _refusals():
-        _check_target(output, RESULT_FORMATS, "-o")
-        _check_target(plot, PICTURE_FORMATS, "--plot")
+    with refusals():
+        check_target(output, RESULT_FORMATS, "-o")
+        check_target(plot, PICTURE_FORMATS, "--plot")
         from slmm.scene import read_scene
 
         scene = read_scene(scene_file)
         if displacements is not None and not displacements.is_file():
             raise ValueError(f"--displacements {displacements}: there is no such file")
         inputs = [scene_file, database, displacements, *(getattr(hole, "file", None) for hole in scene.holes)]
-        _check_no_input(inputs, {"-o": output, "--plot": plot})
-        with _progress() as progress, _word_on_compilation():
+        check_no_input(inputs, {"-o": output, "--plot": plot})
+        with progress_bar() as progress, word_on_compilation():
             from slmm import failure_indices
 
             result = failure_indices(
@@ -115,14 +124,14 @@ def initiation(
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
-                with _whole_file(output) as unfinished:
+                with whole_file(output) as unfinished:
                     result.to_netcdf(unfinished, engine="netcdf4")
             if plot is not None:
                 progress(1.0, "picture")
                 from slmm.plot import plot_initiation
 
                 figure = plot_initiation(scene, result, displacements)
-                with _whole_file(plot) as unfinished:
+                with whole_file(plot) as unfinished:
                     figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
         from slmm import summary
 
@@ -131,8 +140,101 @@ def initiation(
         else:
             _print_result(result)
         if not summary.by_criticality(result):
-            _say_error("no position has a failure index")
+            say_error("no position has a failure index")
             raise typer.Exit(1)
+
+
+@app.command()
+def forces(
+    result_file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MESH_WITH_RESULTS",
+            help="Displacements and, unless elasticity is known, stresses and energies (.frd, .vtu, .xdmf and others).",
+        ),
+    ],
+    inp: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.inp",
+            help="Element types and materials of a .frd file; by default the file of the same name beside it.",
+        ),
+    ] = None,
+    step: Annotated[int, typer.Option(help="Which step of the file, from 0; from the end if negative.")] = -1,
+    young: Annotated[
+        float | None,
+        typer.Option(metavar="E", help="Young's modulus, MPa: stresses follow from the displacements."),
+    ] = None,
+    poisson: Annotated[
+        float | None, typer.Option(metavar="NU", help="Poisson's ratio, with --young.")
+    ] = None,
+    plane_stress: Annotated[
+        bool, typer.Option("--plane-stress", help="With --young: plane stress in place of plane strain.")
+    ] = False,
+    method: Annotated[
+        str | None, typer.Option(help="linear (small strains), mbf or dbf; else what fits the file.")
+    ] = None,
+    reduced: Annotated[
+        bool, typer.Option("--reduced", help="Elements whose type no file tells have reduced integration.")
+    ] = False,
+    thickness: Annotated[
+        float | None, typer.Option(help="Of plane models, mm; else what the .inp file says, or 1.")
+    ] = None,
+    contours: Annotated[int, typer.Option(min=1, help="Number of domains around each crack tip.")] = 5,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="OUT.vtu", help="Write mesh and nodal forces for ParaView."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="OUT.png", help="Draw forces and crack tips (.png, .pdf or .svg).")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the crack tips as JSON.")] = False,
+) -> None:
+    """Configurational forces of a finite element result, J, K_I and K_II at its crack tips, and where they run."""
+    with refusals():
+        check_target(output, MESH_FORMATS, "-o")
+        check_target(plot, PICTURE_FORMATS, "--plot")
+        check_no_input([result_file, inp], {"-o": output, "--plot": plot})
+        if (young is None) != (poisson is None):
+            raise ValueError("--young and --poisson belong together: give both, or none")
+        with progress_bar() as progress, word_on_compilation():
+            progress(0.0, "reading")
+            from slmm.configurational_forces import nodal_configurational_forces
+            from slmm.fem.elasticity import Elasticity
+            from slmm.fem.read_results import read_element_results
+            from slmm.fem.vtu import write_vtu
+            from slmm.fracture.loading import crack_tip_loading
+            from slmm.plot_forces import plot_forces
+
+            elasticity = None
+            if young is not None and poisson is not None:
+                elasticity = Elasticity(young, poisson, "plane stress" if plane_stress else "plane strain")
+            results = read_element_results(
+                result_file, step, elasticity, method=method, reduced=reduced, thickness=thickness, inp=inp
+            )
+            progress(0.4, "forces")
+            found = nodal_configurational_forces(
+                results.points, results.cells, results.u, results.stress, results.energy, results.method,
+                results.thickness,
+            )  # fmt: skip
+            if plot is not None and results.dimension != 2:
+                raise ValueError(f"--plot {plot}: pictures are drawn of plane models; -o writes a .vtu file")
+            progress(0.6, "crack tips")
+            loading = crack_tip_loading(results, contours, found) if results.dimension == 2 else None
+            if output is not None:
+                with whole_file(output) as unfinished:
+                    write_vtu(unfinished, results, found)
+            if plot is not None and loading is not None:
+                progress(0.8, "picture")
+                figure = plot_forces(results, found, loading)
+                with whole_file(plot) as unfinished:
+                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+        from slmm import tip_summary
+
+        if as_json:
+            print(tip_summary.as_json(results, found, loading))
+        else:
+            _print_forces(results, found, loading)
 
 
 @app.command()
@@ -142,106 +244,12 @@ def info(
     ] = None,
 ) -> None:
     """What a crack-cell database holds, after its checksum has been verified."""
-    with _refusals():
+    with refusals():
         from slmm.cell_file import read_cells
         from slmm.initiation.meta_model import shipped_database
 
         path = shipped_database() if file is None else file
         _print_database(path, read_cells(path))
-
-
-def _errors() -> Console:
-    return Console(stderr=True, highlight=False)
-
-
-@contextlib.contextmanager
-def _refusals() -> Iterator[None]:
-    """Bad input ends with a sentence and code 2, a failed computation with a sentence and code 1."""
-    try:
-        yield
-    except (ValueError, ImportError) as error:  # SceneError, DatabaseError; an extra that is not installed
-        _say_error(str(error))
-        raise typer.Exit(BAD_INPUT) from None
-    except (RuntimeError, OSError, MemoryError) as error:
-        if isinstance(error, typer.Exit):  # is a RuntimeError
-            raise
-        _say_error(str(error) or type(error).__name__)
-        raise typer.Exit(1) from None
-
-
-def _say_error(text: str) -> None:
-    # no markup: [0] in a message is an index, not a style
-    _errors().print(f"error: {text}", style="red", markup=False, soft_wrap=True)
-
-
-def _check_target(path: Path | None, formats: tuple[str, ...], option: str) -> None:
-    """Refuse before the long work what could not be written after it."""
-    if path is None:
-        return
-    if path.suffix.lower() not in formats:
-        raise ValueError(f"{option} {path}: the name must end with {' or '.join(formats)}")
-    if path.is_dir():
-        raise ValueError(f"{option} {path}: is a folder")
-    if not path.parent.is_dir():
-        raise ValueError(f"{option} {path}: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK):
-        raise ValueError(f"{option} {path}: the folder {path.parent} is not writable")
-
-
-def _check_no_input(inputs: list[Path | str | None], targets: dict[str, Path | None]) -> None:
-    """A result must not take the place of what it is made from, as a notch's picture."""
-    for option, target in targets.items():
-        for file in inputs:
-            if target is not None and file is not None and Path(file).resolve() == target.resolve():
-                raise ValueError(f"{option} {target}: is an input of this run and would be overwritten")
-
-
-@contextlib.contextmanager
-def _whole_file(path: Path) -> Iterator[Path]:
-    """A name to write to; the file takes its place only when it is complete."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        yield unfinished
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[Callable[[float, str], None]]:
-    """A progress bar on stderr, on a terminal only."""
-    errors = _errors()
-    if not errors.is_terminal:
-        yield lambda fraction, text: None
-        return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
-
-    columns = BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
-    with Progress(*columns, console=errors, transient=True) as bar:
-        task = bar.add_task("start", total=1.0)
-        yield lambda fraction, text: bar.update(task, completed=fraction, description=text)
-
-
-@contextlib.contextmanager
-def _word_on_compilation() -> Iterator[None]:
-    """Say once when a kernel is compiled: numba tells, and only when its cache has none."""
-    from numba.core import event
-
-    class Teller(event.Listener):
-        told = False
-
-        def on_start(self, event: event.Event) -> None:
-            if not self.told:
-                self.told = True
-                print(
-                    "compiling kernels, once: this first start takes up to a minute longer", file=sys.stderr
-                )
-
-        def on_end(self, event: event.Event) -> None:
-            pass
-
-    with event.install_listener("numba:compile", Teller()):
-        yield
 
 
 def _print_result(result: xr.Dataset) -> None:
@@ -272,12 +280,62 @@ def _print_result(result: xr.Dataset) -> None:
     for i, row in zip(ranked, rows, strict=False):
         numbers = (_text(row[name], digits) for name, _, digits in columns)
         table.add_row(str(i), *numbers, *(str(row[name]) for name in words))
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else FILE_WIDTH)
+    out = console()
     if ranked:
-        console.print(table)
-    console.print(verdict(result), soft_wrap=True, markup=False)
+        out.print(table)
+    out.print(verdict(result), soft_wrap=True, markup=False)
     counts = "; ".join(f"{count} {status}" for status, count in status_counts(result).items())
-    console.print(f"Positions: {counts}.", soft_wrap=True, markup=False)
+    out.print(f"Positions: {counts}.", soft_wrap=True, markup=False)
+
+
+def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | None) -> None:
+    from slmm.tip_summary import interface_force, tip_record, tip_sentence
+
+    out = console()
+    elements = ", ".join(f"{len(nodes)} {name}" for name, nodes in results.cells.items())
+    out.print(
+        f"{len(results.points)} nodes, {elements}; stresses from {results.source}; method {results.method}.",
+        soft_wrap=True,
+    )
+    if (force := interface_force(results, forces)) is not None:
+        vector = ", ".join(f"{component:.5g}" for component in force)
+        out.print(f"Material force on the interfaces: ({vector}) N.", soft_wrap=True)
+    if loading is None:
+        out.print(
+            "Crack tips are looked for in plane models only; -o writes the nodal forces.", soft_wrap=True
+        )
+        return
+    if not loading.sizes["tip"]:
+        out.print(
+            "No crack tip: no two faces that lie on each other end inside the material.", soft_wrap=True
+        )
+        return
+    columns = {
+        "x": ".2f",
+        "y": ".2f",
+        "angle": ".1f",
+        "G": ".5g",
+        "J_across": ".5g",
+        "K_I": ".4g",
+        "K_II": ".4g",
+    }
+    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": "MPa√mm"}
+    table = Table("tip", title="Crack tips", box=SIMPLE_HEAD, pad_edge=False)
+    for name in columns:
+        heading = f"{name.replace('_', ' ')}\n{units[loading[name].attrs['units']]}"
+        table.add_column(heading, justify="right", no_wrap=True)
+    criteria = [str(name) for name in loading.criterion.values]
+    for name in criteria:
+        table.add_column(f"{name}\ndeg", justify="right", no_wrap=True)
+    records = [tip_record(loading, k) for k in range(loading.sizes["tip"])]
+    for record in records:
+        numbers = [_text(record[name], digits) for name, digits in columns.items()]
+        table.add_row(
+            str(record["tip"]), *numbers, *(_text(record["kink"][name], ".1f") for name in criteria)
+        )
+    out.print(table)
+    for k in range(len(records)):
+        out.print(tip_sentence(loading, k), soft_wrap=True, markup=False)
 
 
 def _text(value: float | None, digits: str) -> str:

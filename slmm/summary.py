@@ -82,7 +82,7 @@ def verdict(result: xr.Dataset) -> str:
 def position_record(result: xr.Dataset, i: int) -> dict[str, Any]:
     """All single values of position i; None where there is none."""
     values = {name: result[name].values[i] for name in result.data_vars if result[name].dims == ("position",)}
-    return {"position": i, **{str(name): _plain(value) for name, value in values.items()}}
+    return {"position": i, **{str(name): plain(value) for name, value in values.items()}}
 
 
 def as_json(result: xr.Dataset) -> str:
@@ -92,7 +92,7 @@ def as_json(result: xr.Dataset) -> str:
     if isinstance(attrs.get("settings"), str):
         attrs["settings"] = json.loads(attrs["settings"])
     positions = [position_record(result, i) for i in range(result.sizes["position"])]
-    content = _plain(attrs) | {
+    content = plain(attrs) | {
         "units": {name: result[name].attrs.get("units", "") for name in positions[0] if name in result},
         "verdict": verdict(result),
         "status_counts": status_counts(result),
@@ -102,12 +102,12 @@ def as_json(result: xr.Dataset) -> str:
     return json.dumps(content, indent=2, allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """A value as strict JSON knows it: no numpy, and null for what is not finite."""
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -10,9 +10,10 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import slmm
-from slmm.cli import _word_on_compilation, app
+from slmm.cli import app
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.meta_model import shipped_database
+from slmm.terminal import word_on_compilation
 
 DATA = Path(__file__).parent / "data"
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -301,10 +302,10 @@ def test_compilation_is_announced_once(capsys):
     def twice(x):
         return 2 * x
 
-    with _word_on_compilation():
+    with word_on_compilation():
         assert twice(1) == 2
         assert twice(1.0) == 2.0
     assert capsys.readouterr().err.count("compiling kernels") == 1
-    with _word_on_compilation():
+    with word_on_compilation():
         assert twice(1) == 2
     assert capsys.readouterr().err == ""

@@ -13,9 +13,11 @@ from slmm.configurational_forces import (
     compute_CS,
     compute_F,
     compute_P,
+    forces_in_rings,
     forces_within,
     nodal_configurational_forces,
 )
+from slmm.fem.elasticity import Elasticity
 from slmm.fem.elements import ALIASES, ELEMENTS
 
 DISTORTION = 0.08
@@ -68,6 +70,21 @@ def energy_of(X, U, name):
     return (density * np.linalg.det(jacobian)) @ element.weights
 
 
+def derivative_by_places(energy, X, U, kept_place=False):
+    """Of an element's energy by the places of its nodes (n, d), with their displacements or their new places kept."""
+    result, step = np.empty(X.shape[1:]), 1e-3
+    for node, i in np.ndindex(*result.shape):
+        W = []
+        for h in (-2, -1, 1, 2):
+            moved, displaced = X.copy(), U.copy()
+            moved[0, node, i] += h * step
+            if kept_place:
+                displaced[0, node, i] -= h * step
+            W.append(energy(moved, displaced))
+        result[node, i] = (W[0] - 8 * W[1] + 8 * W[2] - W[3]) / (12 * step)
+    return result
+
+
 @pytest.mark.parametrize("method", PUBLISHED)
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_force_is_the_derivative_of_the_energy_by_the_place_of_the_node(name, method):
@@ -75,17 +92,89 @@ def test_force_is_the_derivative_of_the_energy_by_the_place_of_the_node(name, me
     X, U, _, _ = random_elements(name, 1, seed=3)
     energy, S = neo_hooke(compute_F(X, U, name))
     forces = compute_CF(X, U, S, energy, name, method)[0]
-    step = 1e-3
-    for node, i in np.ndindex(*forces.shape):
-        W = []
-        for h in (-2, -1, 1, 2):
-            moved, kept = X.copy(), U.copy()
-            moved[0, node, i] += h * step
-            if method == "mbf":
-                kept[0, node, i] -= h * step
-            W.append(energy_of(moved, kept, name)[0])
-        derivative = (W[0] - 8 * W[1] + 8 * W[2] - W[3]) / (12 * step)
-        assert forces[node, i] == pytest.approx(derivative, abs=1e-8 * np.abs(forces).max() + 1e-9)
+    expected = derivative_by_places(lambda X, U: energy_of(X, U, name)[0], X, U, kept_place=method == "mbf")
+    np.testing.assert_allclose(forces, expected, rtol=0, atol=1e-8 * np.abs(forces).max() + 1e-9)
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_linear_force_is_the_derivative_of_the_linear_elastic_energy(name):
+    X, U, _, _ = random_elements(name, 1, seed=4)
+    element, material = ELEMENTS[name], Elasticity(2.3, 0.3)
+
+    def energy(X, U):
+        H = compute_F(X, U, name)[0] - np.eye(element.dimension)
+        density = np.einsum("qij,qij->q", material.stress(H), H) / 2
+        return density * np.linalg.det(np.einsum("ni,qnj->qij", X[0], element.gradient_at_points))
+
+    H = compute_F(X, U, name) - np.eye(element.dimension)
+    S = material.stress(H)
+    forces = compute_CF(X, U, S, np.einsum("eqij,eqij->eq", S, H) / 2, name, "linear")[0]
+    expected = derivative_by_places(lambda X, U: energy(X, U) @ element.weights, X, U)
+    np.testing.assert_allclose(forces, expected, rtol=0, atol=1e-8 * np.abs(forces).max())
+
+
+def neo_hooke_in_plane_stress(F):
+    """Energy density, Cauchy stress and stretch across the plate, at which nothing pulls there."""
+    mu, lame = 1.3, 2.1
+    det = np.linalg.det(F)
+    stretch = np.ones_like(det)
+    for _ in range(30):
+        across = mu * (stretch**2 - 1) + lame * np.log(det * stretch)
+        stretch = stretch - across / (2 * mu * stretch + lame / stretch)
+    full = np.zeros((*F.shape[:-2], 3, 3))
+    full[..., :2, :2], full[..., 2, 2] = F, stretch
+    energy, S = neo_hooke(full)
+    assert np.abs(S[..., 2, 2]).max() < 1e-14
+    return energy, S[..., :2, :2], stretch
+
+
+@pytest.mark.parametrize("method", PUBLISHED)
+@pytest.mark.parametrize("name", [name for name in ELEMENTS if ELEMENTS[name].dimension == 2])
+def test_force_in_plane_stress_is_the_derivative_of_the_energy_of_a_plate_that_thins(name, method):
+    X, U, _, _ = random_elements(name, 1, seed=3)
+    element, cells = ELEMENTS[name], {name: np.arange(len(ELEMENTS[name].nodes))[None]}
+
+    def energy(X, U):
+        density, _, _ = neo_hooke_in_plane_stress(compute_F(X, U, name))
+        volume = np.linalg.det(np.einsum("eni,qnj->eqij", X, element.gradient_at_points))
+        return 2.5 * (density * volume)[0] @ element.weights
+
+    density, S, stretch = neo_hooke_in_plane_stress(compute_F(X, U, name))
+    assert np.ptp(stretch) > 0.01 or len(element.points) == 1
+    stress, of_type, across = {name: S}, {name: density}, {name: stretch}
+    forces = nodal_configurational_forces(X[0], cells, U[0], stress, of_type, method, 2.5, across)
+    expected = derivative_by_places(energy, X, U, kept_place=method == "mbf")
+    np.testing.assert_allclose(forces, expected, rtol=0, atol=1e-8 * np.abs(forces).max())
+    # as if it kept its thickness it is something else
+    without = nodal_configurational_forces(X[0], cells, U[0], stress, of_type, method, 2.5)
+    assert np.abs(without - expected).max() > 1e-3 * np.abs(forces).max()
+
+
+def test_stretch_belongs_to_large_strains_of_plane_elements():
+    X, U, S, e = random_elements("CPE4", 1)
+    of_plane = X[0], {"CPE4": [[0, 1, 2, 3]]}, U[0], {"CPE4": S}, {"CPE4": e}
+    with pytest.raises(ValueError, match="leave it out with method 'linear' and in 3D"):
+        nodal_configurational_forces(*of_plane, "linear", stretch={"CPE4": np.ones((1, 4))})
+    with pytest.raises(ValueError, match="stretch has no values of CPE4, of which there are 1 elements"):
+        nodal_configurational_forces(*of_plane, "dbf", stretch={})
+    X, U, S, e = random_elements("C3D4", 1)
+    of_solid = X[0], {"C3D4": [[0, 1, 2, 3]]}, U[0], {"C3D4": S}, {"C3D4": e}
+    with pytest.raises(ValueError, match="leave it out with method 'linear' and in 3D"):
+        nodal_configurational_forces(*of_solid, "mbf", stretch={"C3D4": np.ones((1, 1))})
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_linear_and_displacement_based_forces_become_one_with_vanishing_displacements(name):
+    X, U, _, _ = random_elements(name, 3, seed=6)
+    material, gap = Elasticity(2.3, 0.3), []
+    for scale in (1e-3, 1e-4):
+        H = compute_F(X, scale * U, name) - np.eye(X.shape[-1])
+        S = material.stress(H)
+        data = X, scale * U, S, np.einsum("eqij,eqij->eq", S, H) / 2, name
+        linear = compute_CF(*data, "linear")
+        gap.append(np.abs(compute_CF(*data, "dbf") - linear).max() / np.abs(linear).max())
+    assert gap[0] < 2e-3
+    assert gap[1] == pytest.approx(gap[0] / 10, rel=0.02)
 
 
 @hypothesis_settings(max_examples=25)
@@ -163,6 +252,14 @@ def test_inverted_elements_are_refused():
         compute_CF(X, U, S, e, "C3D4")
 
 
+@pytest.mark.parametrize("name", ["CPE4R", "C3D8"])
+def test_elements_of_no_size_are_refused(name):
+    X, U, S, e = random_elements(name, 2)
+    X[1] = X[1, 0]
+    with pytest.raises(ValueError, match=r"element 1 is degenerate or inverted \(det dX/dR = 0 of its size"):
+        compute_CF(X, U, S, e, name)
+
+
 def test_forces_of_mixed_elements_are_the_sums_of_their_blocks():
     """A square of a quadrilateral and two triangles, uniformly strained: homogeneous, so inner nodes feel nothing."""
     points = np.array([[0, 0], [1, 0], [2.2, 0], [2, 1], [1.1, 1.3], [0, 1]], dtype=float)
@@ -220,6 +317,17 @@ def test_two_phase_bar_has_the_exact_and_the_published_interface_force():
 
     assert two_phase_bar(linear) == pytest.approx([35 / 3, 0.0], rel=1e-9, abs=1e-9)
     assert two_phase_bar(logarithmic)[0] == pytest.approx(11.718, abs=5e-4)
+
+
+def test_sums_in_contours_add_one_layer_of_elements_after_another():
+    cells = {"CPE4": np.array([[0, 1, 5, 4], [1, 2, 6, 5]]), "CPE3": np.array([[2, 3, 6], [3, 7, 6]])}
+    forces = np.random.default_rng(1).normal(size=(8, 2))
+    found = forces_in_rings(cells, forces, [0, 4], 4)
+    for k in range(4):
+        columns = [i for i in range(8) if i % 4 <= k]
+        np.testing.assert_allclose(found[k], forces[columns].sum(axis=0))
+    with pytest.raises(ValueError, match="forces has 7 nodes: cells names node 7"):
+        forces_in_rings(cells, forces[:7], [0, 4], 4)
 
 
 def test_sums_within_radii_and_missing_blocks():

@@ -56,6 +56,16 @@ def test_table_is_the_demo_s():
         assert [float(x) for x in numbers] == pytest.approx([float(x) for x in there.split()[:-3]], rel=2e-3)
 
 
+def test_table_of_crack_tips_is_the_command_s():
+    shown = re.findall(r"^ {4,5}(\d .*)$", README, flags=re.MULTILINE)
+    shown = [row.split() for row in shown if len(row.split()) == 12]
+    printed = CliRunner().invoke(app, ["forces", "examples/inclined_crack.frd"]).stdout.splitlines()
+    printed = [row.split() for row in printed if re.match(r" *\d .*\d *$", row) and len(row.split()) == 12]
+    assert len(shown) == len(printed) == 2
+    for here, there in zip(shown, printed, strict=True):
+        assert [float(x) for x in here] == pytest.approx([float(x) for x in there], rel=2e-3)
+
+
 def test_links_lead_somewhere():
     targets = re.findall(r"\]\(([^)]+)\)", README)
     assert targets

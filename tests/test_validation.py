@@ -227,3 +227,34 @@ def test_a_check_of_a_value_that_is_not_a_number_never_holds():
     assert not Check("", "", 1.0, float("nan"), 0.1).holds
     assert not Check("", "", 1.0, float("nan"), rule="at most").holds
     assert Check("", "", 1.0, 1.05, 0.1).holds and not Check("", "", 1.0, 1.2, 0.1).holds
+
+
+@pytest.mark.slow
+def test_configurational_forces_are_those_of_the_published_tool_and_derivatives_of_the_energy():
+    checks = script("configurational_forces").main(quick=True)
+    assert all(check.holds for check in checks if check.rule != "told"), [c for c in checks if not c.holds]
+    assert of(checks, "bar")
+
+
+@pytest.mark.slow
+def test_crack_tips_have_exact_and_published_j_k_and_kinks():
+    checks = script("crack_tips").main(quick=True)
+    for check in of(checks, "disk, mode I,", "J_x"):
+        assert abs(check.difference) < 3e-3, check
+    for check in of(checks, "mixed mode", "J_"):
+        assert abs(check.difference) < 5e-3, check
+    for check in of(checks, quantity="contours apart"):
+        assert check.ours < 2e-3, check
+    for check in of(checks, quantity="normalised"):
+        assert abs(check.difference) < 5e-3, check
+    for check in of(checks, "kink", "degrees"):
+        assert check.rule == "told" or abs(check.ours - check.wanted) < 0.5, check
+
+
+def test_calculix_gives_the_exact_j_where_it_is_installed_and_is_left_out_where_not(monkeypatch, capsys):
+    calculix = script("calculix")
+    for check in calculix.main(quick=True):
+        assert abs(check.difference) < 5e-3, check
+    monkeypatch.setattr(calculix.shutil, "which", lambda name: None)
+    assert calculix.main(quick=True) == []
+    assert "ccx) is not installed" in capsys.readouterr().out

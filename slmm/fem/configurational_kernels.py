@@ -10,9 +10,13 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-# a division by zero gives what is not finite, which is looked for afterwards
-small = njit(cache=True, error_model="numpy")
-over_elements = njit(parallel=True, cache=True, error_model="numpy")
+# a division by zero gives what is not finite, which is looked for afterwards; "contract" lets a product and a sum be
+# one instruction
+small = njit(cache=True, error_model="numpy", fastmath={"contract"})
+over_elements = njit(parallel=True, cache=True, error_model="numpy", fastmath={"contract"})
+
+#: det dX/dR over its largest entry to the power of the dimension: no element above this is degenerate
+SUSPECT = 1e-6
 
 
 @small
@@ -119,12 +123,12 @@ def configurational_stresses(F, P, energy, displacement_based):
 
 @over_elements
 def forces_2d(X, U, S, energy, dN, weights, displacement_based, linear):
-    """Configurational forces (el, n, 2), and the least det dX/dR over its largest entry's power (el,)."""
+    """Configurational forces (el, n, 2), how many points may be degenerate, and a sum that shows what is not finite."""
     elements, n, _ = X.shape
-    result, least = np.zeros((elements, n, 2)), np.empty(elements)
+    result = np.empty((elements, n, 2))
     minus = 1.0 if displacement_based else 0.0
+    suspects, total = 0, 0.0
     for e in prange(elements):
-        smallest = np.inf
         for q in range(len(dN)):
             a = b = c = d = s = t = v = w = 0.0
             for k in range(n):
@@ -134,8 +138,9 @@ def forces_2d(X, U, S, energy, dN, weights, displacement_based, linear):
                 s, t, v, w = s + ux * r0, t + ux * r1, v + uy * r0, w + uy * r1
             det = a * d - b * c
             size = max(abs(a), abs(b), abs(c), abs(d))
-            smallest = min(smallest, det / (size * size))
-            i00, i01, i10, i11 = d / det, -b / det, -c / det, a / det
+            suspects += not det > SUSPECT * size * size
+            inverse = 1.0 / det
+            i00, i01, i10, i11 = d * inverse, -b * inverse, -c * inverse, a * inverse
             f00, f01 = 1.0 + s * i00 + t * i10, s * i01 + t * i11
             f10, f11 = v * i00 + w * i10, 1.0 + v * i01 + w * i11
             s00, s01, s10, s11 = S[e, q, 0, 0], S[e, q, 0, 1], S[e, q, 1, 0], S[e, q, 1, 1]
@@ -150,12 +155,15 @@ def forces_2d(X, U, S, energy, dN, weights, displacement_based, linear):
             volume = weights[q] * det
             g00, g01 = (c00 * i00 + c01 * i01) * volume, (c00 * i10 + c01 * i11) * volume
             g10, g11 = (c10 * i00 + c11 * i01) * volume, (c10 * i10 + c11 * i11) * volume
+            total += g00 + g01 + g10 + g11
             for k in range(n):
                 r0, r1 = dN[q, k, 0], dN[q, k, 1]
-                result[e, k, 0] += g00 * r0 + g01 * r1
-                result[e, k, 1] += g10 * r0 + g11 * r1
-        least[e] = smallest
-    return result, least
+                if q == 0:
+                    result[e, k, 0], result[e, k, 1] = g00 * r0 + g01 * r1, g10 * r0 + g11 * r1
+                else:
+                    result[e, k, 0] += g00 * r0 + g01 * r1
+                    result[e, k, 1] += g10 * r0 + g11 * r1
+    return result, suspects, total
 
 
 @small
@@ -234,12 +242,12 @@ def _scaled(m, factor):
 
 @over_elements
 def forces_3d(X, U, S, energy, dN, weights, displacement_based, linear):
-    """Configurational forces (el, n, 3), and the least det dX/dR over its largest entry's power (el,)."""
+    """Configurational forces (el, n, 3), and what `forces_2d` gives with them."""
     elements, n, _ = X.shape
-    result, least = np.zeros((elements, n, 3)), np.empty(elements)
+    result = np.empty((elements, n, 3))
     minus = 1.0 if displacement_based else 0.0
+    suspects, total = 0, 0.0
     for e in prange(elements):
-        smallest = np.inf
         for q in range(len(dN)):
             J = dU = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
             for k in range(n):
@@ -251,7 +259,7 @@ def forces_3d(X, U, S, energy, dN, weights, displacement_based, linear):
             size = 0.0
             for number in J:
                 size = max(size, abs(number))
-            smallest = min(smallest, det / (size * size * size))
+            suspects += not det > SUSPECT * size * size * size
             # of dX/dR the inverse's transpose
             inverse = _scaled(cofactors, 1.0 / det)
             F = _times(dU, inverse, 1.0)
@@ -262,10 +270,16 @@ def forces_3d(X, U, S, energy, dN, weights, displacement_based, linear):
             H = (F[0] - minus, F[1], F[2], F[3], F[4] - minus, F[5], F[6], F[7], F[8] - minus)
             product = _scaled(_times(_transposed(H), _transposed(P), -energy[e, q]), -weights[q] * det)
             G = _times(product, _transposed(inverse), 0.0)
+            for number in G:
+                total += number
             for k in range(n):
                 r0, r1, r2 = dN[q, k, 0], dN[q, k, 1], dN[q, k, 2]
-                result[e, k, 0] += G[0] * r0 + G[1] * r1 + G[2] * r2
-                result[e, k, 1] += G[3] * r0 + G[4] * r1 + G[5] * r2
-                result[e, k, 2] += G[6] * r0 + G[7] * r1 + G[8] * r2
-        least[e] = smallest
-    return result, least
+                if q == 0:
+                    result[e, k, 0] = G[0] * r0 + G[1] * r1 + G[2] * r2
+                    result[e, k, 1] = G[3] * r0 + G[4] * r1 + G[5] * r2
+                    result[e, k, 2] = G[6] * r0 + G[7] * r1 + G[8] * r2
+                else:
+                    result[e, k, 0] += G[0] * r0 + G[1] * r1 + G[2] * r2
+                    result[e, k, 1] += G[3] * r0 + G[4] * r1 + G[5] * r2
+                    result[e, k, 2] += G[6] * r0 + G[7] * r1 + G[8] * r2
+    return result, suspects, total

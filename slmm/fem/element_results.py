@@ -77,7 +77,8 @@ def linear_elastic(
     Raises
     ------
     ValueError
-        For an unknown element type, or when there are several materials and no word on who is of which.
+        For an unknown element type, when there are several materials and no word on who is of which, and for a region
+        without material.
 
     Examples
     --------
@@ -97,9 +98,14 @@ def linear_elastic(
     for name, nodes in cells.items():
         gradient = element_named(name).gradient_at_points
         H = deformation_gradients(points[nodes], u[nodes], gradient) - np.eye(points.shape[1])
+        number = np.asarray(region[name])
+        if number.shape != H.shape[:1] or not np.isin(number, range(len(materials))).all():
+            raise ValueError(
+                f"region[{name!r}]: must have a number from 0 to {len(materials) - 1} for each of {len(H)} elements"
+            )
         stress[name] = np.empty_like(H)
         for k, material in enumerate(materials):
-            here = np.asarray(region[name]) == k
+            here = number == k
             stress[name][here] = material.stress(H[here])
         energy[name] = 0.5 * np.einsum("eqij,eqij->eq", stress[name], H)
     return ElementResults(

@@ -103,10 +103,11 @@ def _turns(outline: Outline, s0: float, s1: float, angle_max: float) -> tuple[np
         s = np.insert(s, np.flatnonzero(sharp) + 1, 0.5 * (s[1:] + s[:-1])[sharp])
 
 
-def follow_crack(size: ElementSize, points: np.ndarray) -> None:
-    """Small elements at the tip (the last point) and at the kinks of a crack (n, 2)."""
+def follow_crack(size: ElementSize, points: np.ndarray, body: shapely.Polygon) -> None:
+    """Small elements at the tips and at the kinks of a crack (n, 2): at all its points but a mouth on the boundary."""
     length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-    size.prescribe(points[1:], np.full(len(points) - 1, SINGULAR_SHARE * length))
+    at = points[1:] if shapely.distance(shapely.points(points[0]), body.boundary) < 1e-6 * length else points
+    size.prescribe(at, np.full(len(at), SINGULAR_SHARE * length))
 
 
 def resolve_gaps(size: ElementSize, body: shapely.Polygon) -> None:
@@ -156,7 +157,7 @@ def all_sizes(
     for outline in outlines:
         follow_outline(size, outline, angle_max, body)
     for crack in cracks:
-        follow_crack(size, crack)
+        follow_crack(size, crack, body)
     resolve_gaps(size, body)
     if path is not None:
         # a crack tip or corner that it goes on from is as fine as its own steps: the mesher follows no sudden change

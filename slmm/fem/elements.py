@@ -62,6 +62,18 @@ class Element:
         """Derivatives (ips, n, d) at the integration points."""
         return np.ascontiguousarray(self.gradient(self.points))
 
+    @property
+    def edges(self) -> np.ndarray:
+        """Nodes (corners, 2 or 3) of a plane element's edges, anticlockwise: start, end and, if there is, middle."""
+        if self.dimension != 2:
+            raise ValueError(f"{self.name} is no plane element: it has faces, not edges")
+        corners = 3 if len(self.nodes) % 3 == 0 else 4
+        start = np.arange(corners)
+        edges = [start, np.roll(start, -1)]
+        if len(self.nodes) > corners:
+            edges.append(start + corners)
+        return np.stack(edges, axis=1)
+
 
 def _monomials(at: np.ndarray, exponents: np.ndarray) -> np.ndarray:
     """Monomials (k, n) at points (k, d)."""

@@ -136,7 +136,8 @@ def plate_mesh(
     angle_max : float
         How far an outline may turn along one element edge, rad.
     cracks : sequence of ndarray, shape (n, 2)
-        Points of each crack, from its mouth (on the boundary, or beyond it) to its tip, mm.
+        Points of each crack, from its mouth (on the boundary, or beyond it) to its tip, mm. One that starts in the
+        material has two tips.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
         Points of the boundary and of cracks where edges must not be longer than the sizes given, mm.
 
@@ -174,7 +175,7 @@ def plate_mesh(
     lines = [crack_nodes(crack, size) for crack in in_material]
     if path is not None:
         lines.append(path)
-    mouths = np.array([line[0] for line in lines]).reshape(-1, 2)
+    mouths = np.array([line[0] for line in lines if _on_boundary(line[0], body, largest)]).reshape(-1, 2)
     rings = boundary_pieces(body, outlines, mouths)
     pieces = [piece for ring in rings for piece in ring]
 
@@ -184,9 +185,12 @@ def plate_mesh(
         n_boundary = len(segments)
         inner = []
         for line in lines:
-            start = _existing_node(points, line[0], largest)
-            numbers = np.concatenate([[start], len(points) + np.arange(len(line) - 1)])
-            points = np.concatenate([points, line[1:]])
+            if line is path or _on_boundary(line[0], body, largest):
+                start, line = [_existing_node(points, line[0], largest)], line[1:]
+            else:
+                start = []
+            numbers = np.concatenate([np.array(start, dtype=int), len(points) + np.arange(len(line))])
+            points = np.concatenate([points, line])
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         vertices, triangles = _netgen(points, segments, n_boundary, largest)
@@ -239,6 +243,10 @@ def _check_path(path: np.ndarray, body: shapely.Polygon) -> None:
     if not np.all(inside):
         first = path[1:][~inside][0]
         raise ValueError(f"crack path node {first.tolist()} lies outside the material: shorten the path")
+
+
+def _on_boundary(point: np.ndarray, body: shapely.Polygon, largest: float) -> bool:
+    return bool(shapely.distance(shapely.points(point), body.boundary) <= 1e-6 * largest)
 
 
 def _existing_node(points: np.ndarray, mouth: np.ndarray, largest: float) -> int:

@@ -15,6 +15,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from slmm.fem import triangle
 from slmm.fem.crack_line import crack_factor
+from slmm.fem.elasticity import Elasticity
+from slmm.fem.element_results import ElementResults, linear_elastic
 from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import PlateMesh
 from slmm.fem.recovery import recovered_stress
@@ -53,6 +55,7 @@ class PlateModel:
     def __init__(self, mesh: PlateMesh, scene: Any, loading: Loading = plate_load) -> None:
         """Assemble, factorise and solve."""
         self.E, self.nu = scene.material.plane_stress_equivalent
+        self._scene = scene
         slit = open_slits(mesh)
         self.mesh = slit.mesh
         self.points = self.mesh.doflocs.T
@@ -82,6 +85,19 @@ class PlateModel:
         free = np.setdiff1d(np.flatnonzero(~self.load.prescribed.ravel()), jump)
         order = free[nested_dissection(self.K, free)]
         value[order] = factorised(self.K, order).solve((force - self.K @ value)[order])
+
+    @cached_property
+    def results(self) -> ElementResults:
+        """What configurational forces and crack tips take, a trial path closed."""
+        corner = self.points[self.triangles[:, :3]]
+        a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+        nodes = self._place[self.triangles]
+        clockwise = a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0]
+        nodes[clockwise] = nodes[clockwise][:, [0, 2, 1, 5, 4, 3]]
+        material = self._scene.material
+        elasticity = Elasticity(material.E, material.nu, material.state)
+        thickness = self._scene.plate.thickness
+        return linear_elastic(self.points, {"CPE6": nodes}, self.u, elasticity, thickness=thickness)
 
     @cached_property
     def nodal_stress(self) -> np.ndarray:

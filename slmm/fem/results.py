@@ -9,14 +9,15 @@ from __future__ import annotations
 import contextlib
 import io
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import meshio
 import numpy as np
 
 from slmm.fem.field import ELEMENTS, DisplacementField
-from slmm.fem.frd import read_frd
+from slmm.fem.frd import FrdField, FrdResult, read_frd
 
 #: what programs call nodal displacements, in lower case; the first one found is taken
 NAMES = ("displacement", "displacements", "disp", "u")
@@ -87,17 +88,24 @@ def read_displacements(path: str | Path, step: int = -1) -> DisplacementField:
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
     if path.suffix.lower() == ".frd":
-        points, cells, u = _from_frd(path, step)
+        result, displacement = frd_displacements(path, step)
+        points, cells, u = result.nodes, result.cells, displacement.values
     else:
-        points, cells, u = _from_meshio(path, step)
+        points, cells, u, *_ = mesh_displacements(path, step)
     try:
         return DisplacementField(*_plane_model(points, cells, u))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 
 
-def _from_frd(path: Path, step: int) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """Nodes, elements, displacements."""
+def frd_displacements(path: Path, step: int) -> tuple[FrdResult, FrdField]:
+    """All that a .frd file holds, and the displacements of a step, known at all nodes of elements.
+
+    Raises
+    ------
+    OSError, ValueError
+        See `read_displacements`.
+    """
     result = read_frd(path)
     if "DISP" not in result.fields:
         raise ValueError(
@@ -105,37 +113,79 @@ def _from_frd(path: Path, step: int) -> tuple[np.ndarray, dict[str, np.ndarray],
             "for them: *NODE FILE, U"
         )
     fields = result.fields["DISP"]
-    u = fields[_chosen(path, step, len(fields))].values
+    field = fields[_chosen(path, step, len(fields))]
     used = np.unique(np.concatenate([np.zeros(0, int), *(nodes.ravel() for nodes in result.cells.values())]))
-    missing = used[np.isnan(u[used]).any(axis=1)]
+    missing = used[np.isnan(field.values[used]).any(axis=1)]
     if len(missing):
         raise ValueError(
             f"{path}: no displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
             "nodes); ask CalculiX for all: *NODE FILE without NSET"
         )
-    return result.nodes, result.cells, u
+    return result, field
 
 
-def _from_meshio(path: Path, step: int) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """Nodes, elements, displacements."""
+class MeshStep(NamedTuple):
+    """A step of a file that meshio reads: nodes, elements by type, displacements, and the data of all steps.
+
+    Data of elements come as an array for each of the ``blocks``, which are named by their types.
+    """
+
+    points: np.ndarray
+    cells: dict[str, np.ndarray]
+    u: np.ndarray
+    number: int
+    blocks: tuple[str, ...]
+    point_data: dict[str, np.ndarray]
+    cell_data: dict[str, list[np.ndarray]]
+
+
+def mesh_displacements(path: Path, step: int) -> MeshStep:
+    """A step with displacements of a file that meshio reads.
+
+    Raises
+    ------
+    ValueError
+        See `read_displacements`.
+    """
     with _reading(path):
         series = _xdmf_series(path)
     if series is None:
         with _reading(path):
             mesh = meshio.read(path)
-        points, blocks, data = mesh.points, mesh.cells, mesh.point_data
+        points, blocks, data, cell_data = mesh.points, mesh.cells, mesh.point_data, mesh.cell_data
     else:
-        number = range(series.num_steps)[_chosen(path, step, series.num_steps)]
+        chosen = range(series.num_steps)[_chosen(path, step, series.num_steps)]
         with _reading(path), series:
             points, blocks = series.read_points_cells()
-            _, data, _ = series.read_data(number)
+            _, data, cell_data = series.read_data(chosen)
         step = -1
-    names = _displacement_names(path, data)
+    steps = steps_of(path, data)
+    name = next((name for name in NAMES if name in steps), None)
+    if name is None:
+        raise ValueError(
+            f"{path}: holds no displacements: nodal data must have one of the names {', '.join(NAMES)}; there are "
+            f"{', '.join(data) or 'none'}"
+        )
+    number, key = sorted(steps[name].items())[_chosen(path, step, len(steps[name]))]
     of_kind: dict[str, list[np.ndarray]] = {}
     for block in blocks:
         of_kind.setdefault(block.type, []).append(np.asarray(block.data))
     cells = {kind: np.concatenate(parts) for kind, parts in of_kind.items()}
-    return points, cells, data[names[_chosen(path, step, len(names))]]
+    return MeshStep(points, cells, data[key], number, tuple(block.type for block in blocks), data, cell_data)
+
+
+def steps_of(path: Path, data: Iterable[str]) -> dict[str, dict[int, str]]:
+    """The names of data in lower case, and for each the file's own by the number of the step, -1 if it has none."""
+    found: dict[str, dict[int, str]] = {}
+    for key in data:
+        match = _STEP_NAME.fullmatch(key)
+        assert match is not None  # the pattern takes any text
+        steps = found.setdefault(match["name"].strip().lower(), {})
+        number = int(match["number"] or -1)
+        if number in steps:
+            raise ValueError(f"{path}: {steps[number]!r} and {key!r} have the same name but for capitals")
+        steps[number] = key
+    return found
 
 
 def _xdmf_series(path: Path) -> meshio.xdmf.TimeSeriesReader | None:
@@ -157,6 +207,8 @@ def _reading(path: Path) -> Iterator[None]:
             yield
     except (Exception, SystemExit) as error:
         reason = " ".join(said.getvalue().split()) or f"{type(error).__name__}: {error}"
+        if isinstance(error, KeyError) and error.args == ("wedge15",):
+            reason = "it has wedges of 15 nodes (C3D15), which meshio does not take"
         raise ValueError(f"{path}: cannot be read: {reason}") from error
 
 
@@ -164,26 +216,6 @@ def _chosen(path: Path, step: int, count: int) -> int:
     if not -count <= step < count:
         raise ValueError(f"{path}: step = {step}: steps with displacements: {count}, counted from 0")
     return step
-
-
-def _displacement_names(path: Path, data: Mapping[str, np.ndarray]) -> list[str]:
-    """Names of the displacements at each step."""
-    found: dict[str, dict[int, str]] = {}
-    for key in data:
-        match = _STEP_NAME.fullmatch(key)
-        assert match is not None  # the pattern takes any text
-        steps = found.setdefault(match["name"].strip().lower(), {})
-        number = int(match["number"] or 0)
-        if number in steps:
-            raise ValueError(f"{path}: {steps[number]!r} and {key!r} have the same name but for capitals")
-        steps[number] = key
-    for name in NAMES:
-        if name in found:
-            return [key for _, key in sorted(found[name].items())]
-    raise ValueError(
-        f"{path}: holds no displacements: nodal data must have one of the names {', '.join(NAMES)}; there are "
-        f"{', '.join(data) or 'none'}"
-    )
 
 
 def _plane_model(
@@ -202,17 +234,41 @@ def _plane_model(
     solid = {kind: nodes for kind, nodes in cells.items() if kind in FACES}
     if not solid:
         return points, cells, u[:, :2]
-    return points[:, :2], _lower_faces(points, solid, u[:, :2]), u[:, :2]
+    faces, _ = lower_faces(points, solid, u[:, :2])
+    return points[:, :2], faces, u[:, :2]
 
 
-def _lower_faces(points: np.ndarray, cells: Mapping[str, np.ndarray], u: np.ndarray) -> dict[str, np.ndarray]:
-    """The faces with the lowest z of one layer of solid elements, which must move as the upper ones do."""
+def lower_faces(
+    points: np.ndarray, cells: Mapping[str, np.ndarray], u: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """The faces with the lowest z of one layer of solid elements, which must move as the upper ones do.
+
+    Parameters
+    ----------
+    points, u : ndarray (n, 3), (n, 2)
+        Nodes, and their displacements in the plane, mm.
+    cells : mapping of str to ndarray (el, k)
+        Elements of the types in `FACES`.
+
+    Returns
+    -------
+    faces : dict of str to ndarray (m, k)
+        Plane elements by type.
+    solids : dict of str to ndarray (m,)
+        Which solid each of them is of, counted through all types.
+
+    Raises
+    ------
+    ValueError
+        When it is not one layer, or the two sides move differently.
+    """
     used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
     z = points[:, 2]
     low, high = z[used].min(), z[used].max()
     tolerance = 1e-3 * (high - low)
     of_kind: dict[str, list[np.ndarray]] = {}
-    difference = 0.0
+    solids: dict[str, list[np.ndarray]] = {}
+    difference, first = 0.0, 0
     for kind, nodes in cells.items():
         left = np.ones(len(nodes), dtype=bool)
         for face, opposite in FACES[kind]:
@@ -220,6 +276,7 @@ def _lower_faces(points: np.ndarray, cells: Mapping[str, np.ndarray], u: np.ndar
             here = below & (z[nodes[:, opposite]] >= high - tolerance).all(axis=1)
             lower, upper = nodes[here][:, face], nodes[here][:, opposite]
             of_kind.setdefault(_FACE_KINDS[len(face)], []).append(lower)
+            solids.setdefault(_FACE_KINDS[len(face)], []).append(first + np.flatnonzero(here))
             difference = max(difference, np.abs(u[lower] - u[upper]).max(initial=0.0))
             left &= ~here
         if left.any():
@@ -227,10 +284,14 @@ def _lower_faces(points: np.ndarray, cells: Mapping[str, np.ndarray], u: np.ndar
                 f"{kind} {np.flatnonzero(left)[0]} does not reach from z = {low:g} to {high:g} mm with two faces "
                 "z = const: a plane model is needed, or one layer of solid elements"
             )
+        first += len(nodes)
     allowed = 1e-3 * np.ptp(u[used], axis=0).max() + 1e-5 * np.abs(u[used]).max()
     if difference > allowed:
         raise ValueError(
             f"the displacements in the plane differ by up to {difference:g} mm between z = {low:g} and {high:g} mm: "
             "a plane model is needed"
         )
-    return {kind: np.concatenate(faces) for kind, faces in of_kind.items()}
+    return (
+        {kind: np.concatenate(faces) for kind, faces in of_kind.items()},
+        {kind: np.concatenate(numbers) for kind, numbers in solids.items()},
+    )

@@ -71,3 +71,17 @@ def test_names_are_found_in_any_case_and_unknown_ones_are_listed():
     assert all(element_named(alias) is ELEMENTS[name] for alias, name in ALIASES.items())
     with pytest.raises(ValueError, match=r"element_type = 'S4R': unknown; known are CPE3, .*C3D20RH"):
         element_named("S4R")
+
+
+def test_edges_of_plane_elements_run_around_them_with_their_midside_nodes():
+    for name, element in ELEMENTS.items():
+        if element.dimension == 3:
+            with pytest.raises(ValueError, match=f"{name} is no plane element"):
+                _ = element.edges
+            continue
+        edges = element.nodes[element.edges]
+        np.testing.assert_array_equal(edges[:, 1], np.roll(edges[:, 0], -1, axis=0))
+        if edges.shape[1] == 3:
+            np.testing.assert_allclose(edges[:, 2], edges[:, :2].mean(axis=1))
+        x, y = edges[:, 0].T
+        assert np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) > 0  # anticlockwise

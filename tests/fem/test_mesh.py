@@ -98,6 +98,19 @@ def test_path_from_the_mouth_of_an_edge_notch():
     assert np.allclose(mesh.vertices[mesh.path], path, atol=1e-9)
 
 
+def test_a_crack_inside_the_plate_has_all_its_points_in_the_mesh_and_both_tips_fine():
+    crack = np.array([[30.0, 20.0], [50.0, 30.0], [60.0, 50.0]])
+    mesh = plate_mesh(100.0, 70.0, (), cracks=[crack])
+    (line,) = mesh.cracks
+    points = mesh.vertices[line]
+    for point in crack:
+        assert np.linalg.norm(points - point, axis=1).min() < 1e-9
+    # vertices of its own at both ends, and edges that are short there
+    step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert max(step[0], step[-1]) < 0.02 * step.max()
+    assert areas(mesh).sum() == pytest.approx(7000.0)
+
+
 def test_what_cannot_be_meshed_is_refused_by_name():
     outline = hole((50, 40), 20)
     with pytest.raises(ValueError, match="leaves 2 pieces"):

@@ -73,6 +73,17 @@ def test_faces_of_a_crack_carry_no_stress(tension):
     assert ahead[1] > 2 * SIGMA
 
 
+def test_energy_of_the_elements_is_the_work_of_the_load(tension):
+    results = tension.results
+    nodes, density = results.cells["CPE6"], results.energy["CPE6"]
+    a, b, c = results.points[nodes[:, :3]].swapaxes(0, 1)
+    double_area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    assert double_area.min() > 0
+    assert results.elasticity[0].state == "plane stress"
+    # straight sides everywhere: the mean of three points is exact
+    assert density.mean(axis=1) @ double_area / 2 == pytest.approx(work_of_load(tension), rel=1e-9)
+
+
 def test_mouth_of_an_edge_crack_opens_as_tada_says(tension):
     """delta = 4 sigma a/E V(a/W), good to 1 % (Tada, Paris and Irwin, The stress analysis of cracks handbook)."""
     lower, upper = face_nodes(tension, 20.0)[0]

@@ -1,0 +1,180 @@
+"""What drives a crack tip, from domains around it: the vector J and the stress intensities K_I and K_II.
+
+A weight q is 1 at the tip, falls to 0 at a radius R and moves the material with it. The energy that this releases is
+
+    J = - sum over nodes of  q CF  +  integral over both crack faces of  q e n dS,
+
+the domain form of thesis Eq. 3.14 and 3.15: CF are the nodal configurational forces, n the outward normal, and a face
+without traction has nothing but its energy density e. Along a straight crack the second term vanishes; across it, it
+must not be left out where K_II and a stress parallel to the crack meet (Schmitz and Ricoeur). The stress intensities
+follow from the interaction of the field with that of K_I = 1 or K_II = 1 (Stern, Becker and Dunham 1976).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from slmm.fem.elasticity import Elasticity
+from slmm.fem.element_results import ElementResults
+from slmm.fem.elements import element_named
+from slmm.fracture.tip_field import tip_gradients
+from slmm.fracture.tips import CrackTip
+
+#: the weight is 1 up to this share of the radius
+PLATEAU = 0.5
+#: edges at the tip where the strain of finite elements is not that of the singularity, and the fewest to infer it from
+TIP_EDGES, FIT_EDGES = 3, 4
+#: the strain is inferred from the faces up to this share of what is clear, and used up to half of that
+FIT_SHARE = 0.5
+#: powers of the distance in the strain along the faces: in the part that both have alike, and in the opposite part
+ALIKE, OPPOSITE = np.arange(3), np.arange(4) - 0.5
+#: Gauss points per edge of the faces: where quadratic elements' strains are most accurate, and of linear ones
+X_SERIES, W_SERIES = np.polynomial.legendre.leggauss(16)
+QUADRATIC, LINEAR = np.polynomial.legendre.leggauss(2), np.polynomial.legendre.leggauss(1)
+
+
+def weight(distance: np.ndarray, radius: float) -> np.ndarray:
+    """The weight q at distances from the tip: 1 near it, 0 from the radius outwards."""
+    return np.clip((radius - distance) / (radius * (1 - PLATEAU)), 0.0, 1.0)
+
+
+def j_vector(
+    results: ElementResults, forces: np.ndarray, tip: CrackTip, radius: float, elasticity: Elasticity | None
+) -> np.ndarray:
+    """J (2,) along the crack's direction and left of it, N/mm.
+
+    Parameters
+    ----------
+    results : ElementResults
+    forces : ndarray (n, 2)
+        Nodal configurational forces, N.
+    tip : CrackTip
+    radius : float
+        Of the domain, mm, at most ``tip.clear``.
+    elasticity : Elasticity or None
+        Of the material at the tip. Without it the energy at the faces is not known, nor the second component: NaN.
+
+    Raises
+    ------
+    ValueError
+        For a radius that reaches past what is clear.
+    """
+    _check_clear(tip, radius)
+    q = weight(np.linalg.norm(results.points - tip.position, axis=1), radius)
+    J = -(q @ forces) @ tip.axes.T / results.thickness
+    J[1] = np.nan if elasticity is None else J[1] + face_term(results, tip, radius, elasticity)
+    return J
+
+
+def _check_clear(tip: CrackTip, radius: float) -> None:
+    if not 0 < radius <= tip.clear * (1 + 1e-9):
+        x, y = tip.position
+        raise ValueError(
+            f"radius = {radius:g} mm: at most {tip.clear:g} mm are clear around the tip at ({x:g}, {y:g}) mm"
+        )
+
+
+def face_term(results: ElementResults, tip: CrackTip, radius: float, elasticity: Elasticity) -> float:
+    """What the energy of the crack faces adds to J left of the direction, N/mm.
+
+    Without traction the energy density is E'/2 times the square of the strain along the face; of its part alike on
+    both faces and its opposite part, the product alone makes a difference. Next to the tip the finite elements'
+    strain is not good enough: there the series that fits it further out takes its place, T + C r + ... and
+    a/sqrt(r) + b sqrt(r) + ...
+    """
+    r, ds, alike, opposite = _face_strains(results, tip)
+    middle = r.mean(axis=1)
+    fit = (np.arange(len(r)) >= TIP_EDGES) & (middle < FIT_SHARE * tip.clear)
+    jump = -2 * alike * opposite * weight(r, radius) * ds
+    # too few edges leave nothing to infer the tip from
+    if fit.sum() < FIT_EDGES:
+        return float(elasticity.E_prime * jump.sum())
+    series = fit & (middle < 0.5 * FIT_SHARE * tip.clear)
+    series[:TIP_EDGES] = True
+    end = np.linalg.norm(results.points[tip.upper[series][-1, 1]] - tip.position)
+    inner = _inner_jump(r[fit], ds[fit], alike[fit], opposite[fit], float(end), radius)
+    return float(elasticity.E_prime * (inner + jump[~series].sum()))
+
+
+def _inner_jump(
+    r: np.ndarray, ds: np.ndarray, alike: np.ndarray, opposite: np.ndarray, end: float, radius: float
+) -> float:
+    """Integral of q times the jump, over E', from the tip to a distance, by series that fit the strains given."""
+    # r = end t^2 takes the root out of the integrand; two pieces, as the weight has a kink
+    total = 0.0
+    kinks = np.sqrt(np.clip([0.0, PLATEAU * radius / end, radius / end], 0.0, 1.0))
+    for low, high in pairwise(kinks):
+        t = low + (high - low) * (1 + X_SERIES) / 2
+        parts = []
+        for strain, powers in ((alike, ALIKE), (opposite, OPPOSITE)):
+            # errors of the strain that are a share of the singular term count alike at all distances
+            scale = np.sqrt(ds * r).ravel()
+            basis = (r.ravel()[:, None] / end) ** powers
+            fitted = np.linalg.lstsq(basis * scale[:, None], strain.ravel() * scale, rcond=None)[0]
+            parts.append((t[:, None] ** 2) ** powers @ fitted)
+        q = weight(end * t**2, radius)
+        total += np.sum(-2 * parts[0] * parts[1] * q * end * t * W_SERIES) * (high - low)
+    return float(total)
+
+
+def _face_strains(
+    results: ElementResults, tip: CrackTip
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """At Gauss points (e, g) of the faces: distance from the tip, length, strain alike on both faces, and opposite."""
+    along = tip.axes[0]
+    quadratic = tip.upper.shape[1] == 3
+    x, w = QUADRATIC if quadratic else LINEAR
+    t = x[:, None]
+    if quadratic:
+        shape = np.hstack([t * (t - 1) / 2, t * (t + 1) / 2, 1 - t**2])
+        slope = np.hstack([t - 0.5, t + 0.5, -2 * t])
+    else:
+        shape, slope = np.hstack([1 - t, 1 + t]) / 2, np.array([[-0.5, 0.5]])
+    # s grows outwards from the tip, against the crack's direction
+    s = -(results.points[tip.upper] - tip.position) @ along
+    strain = []
+    for face in (tip.upper, tip.lower):
+        strain.append(-(results.u[face] @ along) @ slope.T / (s @ slope.T))
+    upper, lower = strain
+    return s @ shape.T, (s @ slope.T) * w, (upper + lower) / 2, (upper - lower) / 2
+
+
+def stress_intensities(
+    results: ElementResults, tip: CrackTip, radius: float, elasticity: Elasticity
+) -> np.ndarray:
+    """K_I and K_II (2,), MPa sqrt(mm), by the interaction integral.
+
+    Parameters and errors are those of `j_vector`; stresses and displacements must be those of linear elasticity.
+    """
+    _check_clear(tip, radius)
+    total = np.zeros(2)
+    for name, nodes in results.cells.items():
+        q = weight(np.linalg.norm(results.points[nodes] - tip.position, axis=-1), radius)
+        # where the weight is constant nothing is added
+        ring = np.ptp(q, axis=1) > 0
+        if ring.any():
+            total += _interaction(results, tip, name, ring, q[ring], elasticity)
+    return elasticity.E_prime / 2 * total
+
+
+def _interaction(
+    results: ElementResults, tip: CrackTip, name: str, ring: np.ndarray, q: np.ndarray, elasticity: Elasticity
+) -> np.ndarray:
+    """Interaction (2,) with the fields of K_I = 1 and of K_II = 1, N/mm, in some elements of one type."""
+    element, nodes, axes = element_named(name), results.cells[name][ring], tip.axes
+    X, u = (results.points[nodes] - tip.position) @ axes.T, results.u[nodes] @ axes.T
+    jacobian = np.einsum("eni,pnj->epij", X, element.gradient_at_points)
+    gradient = element.gradient_at_points @ np.linalg.inv(jacobian)
+    volume = np.linalg.det(jacobian) * element.weights
+    H, dq = np.einsum("eni,epnj->epij", u, gradient), np.einsum("en,epnj->epj", q, gradient)
+    sigma = axes @ results.stress[name][ring] @ axes.T
+    H_tip = tip_gradients(np.einsum("pn,eni->epi", element.shape(element.points), X), elasticity)
+    sigma_tip = elasticity.stress(H_tip)
+    # sigma_ij u'_i,1 + sigma'_ij u_i,1 - (sigma : grad u') delta_1j
+    flux = np.einsum("epij,epmi->epmj", sigma, H_tip[..., 0]) + np.einsum(
+        "epmij,epi->epmj", sigma_tip, H[..., 0]
+    )
+    flux[..., 0] -= np.einsum("epij,epmij->epm", sigma, H_tip)
+    return np.einsum("epmj,epj,ep->m", flux, dq, volume)

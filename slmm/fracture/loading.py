@@ -1,0 +1,168 @@
+"""How the crack tips of a finite element model are loaded (J, K_I, K_II on several contours), and where they run."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from slmm import __version__
+from slmm.configurational_forces import nodal_configurational_forces
+from slmm.fem.elasticity import Elasticity
+from slmm.fem.element_results import ElementResults
+from slmm.fracture.contour_integrals import j_vector, stress_intensities
+from slmm.fracture.kinking import (
+    energy_release_direction,
+    maximum_energy_release_rate,
+    maximum_tangential_stress,
+    minimum_strain_energy_density,
+)
+from slmm.fracture.tips import CrackTip, find_crack_tips
+
+#: the smallest domain around a tip: in edges of the elements there, and as a share of what is clear
+FEWEST_EDGES, SMALLEST = 4, 0.1
+
+#: of the direction in which a crack runs on: from the release rate at a short kink, from J as it is, from the largest
+#: tangential stress, from the least density of strain energy
+CRITERIA = ("MERR", "J", "MTS", "MSED")
+
+OK = "ok"
+NO_ELASTICITY = "no linear elasticity is known here: K_I, K_II, kinks and J across the crack need it"
+TOO_COARSE = "fewer than {} edges of elements between the tip and what lies next to it: mesh too coarse"
+CLOSED = "K_I is negative: the faces would overlap"
+
+#: (dimensions, units, long name) of the result
+_VARIABLES = {
+    "x": (("tip",), "mm", "place of the crack tip"),
+    "y": (("tip",), "mm", "place of the crack tip"),
+    "angle": (("tip",), "degree", "direction in which the crack points, from the x axis"),
+    "radius": (("tip", "contour"), "mm", "radius of the domain of a contour"),
+    "J_x": (("tip", "contour"), "N/mm", "J, component along x"),
+    "J_y": (("tip", "contour"), "N/mm", "J, component along y"),
+    "G": (("tip",), "N/mm", "energy release rate of growth straight on, median of the contours"),
+    "spread": (("tip",), "1", "largest less least of that on the contours, over its median"),
+    "J_across": (("tip",), "N/mm", "J left of the crack's direction, median of the contours"),
+    "K_I": (("tip",), "MPa sqrt(mm)", "stress intensity of mode I, median of the contours"),
+    "K_II": (("tip",), "MPa sqrt(mm)", "stress intensity of mode II, median of the contours"),
+    "kink": (
+        ("tip", "criterion"),
+        "degree",
+        "angle from the crack's direction to that in which it would run on",
+    ),
+}
+
+
+def crack_tip_loading(
+    results: ElementResults, contours: int = 5, forces: np.ndarray | None = None
+) -> xr.Dataset:
+    """What drives each crack tip of a plane model, and where it would run.
+
+    Tips are found in the mesh: where two faces that lie on each other end (`slmm.fracture.tips`). The contours'
+    radii grow to what is clear around the tip; that they agree is the check of path independence.
+
+    Parameters
+    ----------
+    results : ElementResults
+        Of a plane model, whose crack faces are free of traction.
+    contours : int
+        Number of domains around each tip.
+    forces : ndarray (n, 2), optional
+        Its nodal configurational forces, N, where they are known already.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions tip, contour, criterion: x, y, angle, radius, J_x, J_y, G, spread, J_across, K_I, K_II, kink,
+        status. Missing values are NaN, and status says why. The criteria: MERR, the release rate at the tip of a
+        short kink (Amestoy and Leblond); J, the direction of J (thesis 3.2.4.2), good for K_II below a tenth of K_I;
+        MTS, the largest tangential stress (Eq. 3.7); MSED, the least density of strain energy.
+
+    Raises
+    ------
+    ValueError
+        For a model in space, or less than one contour.
+
+    Examples
+    --------
+    >>> from slmm.fem.read_results import read_element_results
+    >>> loading = crack_tip_loading(read_element_results("tests/data/edge_crack_2d.frd"))
+    >>> loading.sizes["tip"], loading.x.values.tolist(), bool(loading.spread.max() < 0.01)
+    (1, [20.0], True)
+    """
+    if results.dimension != 2:
+        raise ValueError(
+            "crack tips are looked for in plane models: of a model in space, sum the nodal forces"
+        )
+    if contours < 1:
+        raise ValueError(f"contours = {contours}: must be 1 at least")
+    if forces is None:
+        forces = nodal_configurational_forces(
+            results.points, results.cells, results.u, results.stress, results.energy, results.method,
+            results.thickness,
+        )  # fmt: skip
+    tips = find_crack_tips(results.points, results.cells, results.region)
+    sizes = {"tip": len(tips), "contour": contours, "criterion": len(CRITERIA)}
+    values = {name: np.full([sizes[d] for d in dims], np.nan) for name, (dims, _, _) in _VARIABLES.items()}
+    status = [_fill(values, k, results, forces, tip) for k, tip in enumerate(tips)]
+    data = {
+        name: (dims, values[name], {"units": units, "long_name": text})
+        for name, (dims, units, text) in _VARIABLES.items()
+    }
+    words = np.array(status, dtype=object)
+    return xr.Dataset(
+        {**data, "status": ("tip", words, {"units": "1", "long_name": "whether all is known, or why not"})},
+        coords={"criterion": list(CRITERIA)},
+        attrs={"version": __version__, "stresses": results.source, "method": results.method},
+    )
+
+
+def _fill(
+    values: dict[str, np.ndarray], k: int, results: ElementResults, forces: np.ndarray, tip: CrackTip
+) -> str:
+    """Put what is known of one tip into its places; what is not known, and why."""
+    values["x"][k], values["y"][k] = tip.position
+    values["angle"][k] = np.degrees(tip.angle)
+    edge = float(np.linalg.norm(results.points[tip.upper[0, 1]] - tip.position))
+    if tip.clear < FEWEST_EDGES * edge * (1 - 1e-9):
+        return TOO_COARSE.format(FEWEST_EDGES)
+    smallest = max(SMALLEST * tip.clear, FEWEST_EDGES * edge)
+    radii = np.geomspace(smallest, tip.clear, values["radius"].shape[1])
+    elasticity = _elasticity_at(results, tip)
+    J = np.array([j_vector(results, forces, tip, radius, elasticity) for radius in radii])
+    values["radius"][k] = radii
+    values["J_x"][k], values["J_y"][k] = (J @ tip.axes).T
+    G, J_across = np.median(J, axis=0)
+    values["G"][k], values["J_across"][k] = G, J_across
+    values["spread"][k] = np.ptp(J[:, 0]) / abs(G) if G else np.nan
+    if elasticity is None:
+        return NO_ELASTICITY
+    K = np.array([stress_intensities(results, tip, radius, elasticity) for radius in radii])
+    K_I, K_II = (float(x) for x in np.median(K, axis=0))
+    values["K_I"][k], values["K_II"][k] = K_I, K_II
+    if K_I < 0:
+        return CLOSED
+    kinks = {
+        "MERR": partial(maximum_energy_release_rate, K_I, K_II),
+        "J": partial(energy_release_direction, np.array([G, J_across])),
+        "MTS": partial(maximum_tangential_stress, K_I, K_II),
+        "MSED": partial(minimum_strain_energy_density, K_I, K_II, elasticity),
+    }
+    says = OK
+    for place, name in enumerate(CRITERIA):
+        try:
+            values["kink"][k, place] = np.degrees(kinks[name]())
+        except ValueError as error:  # a criterion without an answer here, as MSED in mode I for nu <= 0
+            says = f"no direction by {name}: {error}"
+    return says
+
+
+def _elasticity_at(results: ElementResults, tip: CrackTip) -> Elasticity | None:
+    """Of the material that the tip lies in, if it is known."""
+    if not results.elasticity:
+        return None
+    for name, nodes in results.cells.items():
+        touching = np.isin(nodes, tip.nodes).any(axis=1)
+        if touching.any():
+            return results.elasticity[int(results.region[name][touching][0])]
+    return None
