@@ -240,6 +240,17 @@ def spaced(piece: Piece, outlines: Sequence[Outline], size: ElementSize) -> np.n
     return np.concatenate(nodes)
 
 
+def on_boundary(point: np.ndarray, body: shapely.Polygon, outlines: Sequence[Outline]) -> bool:
+    """Whether a point (2,) lies on the body's boundary, whose polygon is off the true curves of the outlines."""
+    if shapely.distance(shapely.points(point), body.boundary) < 1e-9 * body.length:
+        return True
+    nearest = [outline.points(outline.project(point[None]))[0] for outline in outlines]
+    return any(
+        np.linalg.norm(at - point) < 1e-5 * outline.length
+        for at, outline in zip(nearest, outlines, strict=True)
+    )
+
+
 def crack_nodes(crack: np.ndarray, size: ElementSize) -> np.ndarray:
     """Nodes (k, 2) along a crack (n, 2), from its mouth to its tip, all its points among them."""
     nodes = [crack[:1]]

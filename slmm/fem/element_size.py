@@ -103,10 +103,10 @@ def _turns(outline: Outline, s0: float, s1: float, angle_max: float) -> tuple[np
         s = np.insert(s, np.flatnonzero(sharp) + 1, 0.5 * (s[1:] + s[:-1])[sharp])
 
 
-def follow_crack(size: ElementSize, points: np.ndarray, body: shapely.Polygon) -> None:
-    """Small elements at the tips and at the kinks of a crack (n, 2): at all its points but a mouth on the boundary."""
+def follow_crack(size: ElementSize, points: np.ndarray, has_mouth: bool) -> None:
+    """Small elements at the tips and at the kinks of a crack (n, 2): at all its points but its mouth."""
     length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-    at = points[1:] if shapely.distance(shapely.points(points[0]), body.boundary) < 1e-6 * length else points
+    at = points[1:] if has_mouth else points
     size.prescribe(at, np.full(len(at), SINGULAR_SHARE * length))
 
 
@@ -148,16 +148,17 @@ def all_sizes(
     largest: float,
     outlines: Sequence[Outline],
     cracks: Sequence[np.ndarray],
+    have_mouths: Sequence[bool],
     path: np.ndarray | None,
     body: shapely.Polygon,
     angle_max: float,
 ) -> ElementSize:
-    """Sizes for a plate: outlines, gaps, cracks (n, 2), and a trial path (k, 2) whose nodes are prescribed."""
+    """Sizes for a plate: outlines, gaps, cracks (n, 2) with or without a mouth, a trial path (k, 2) of given nodes."""
     size = ElementSize(largest)
     for outline in outlines:
         follow_outline(size, outline, angle_max, body)
-    for crack in cracks:
-        follow_crack(size, crack, body)
+    for crack, has_mouth in zip(cracks, have_mouths, strict=True):
+        follow_crack(size, crack, has_mouth)
     resolve_gaps(size, body)
     if path is not None:
         # a crack tip or corner that it goes on from is as fine as its own steps: the mesher follows no sudden change

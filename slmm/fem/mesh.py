@@ -17,7 +17,15 @@ from scipy.spatial import cKDTree
 
 from slmm.contours.outline import Outline
 from slmm.fem import element_size
-from slmm.fem.boundary import boundary_pieces, boundary_segments, crack_nodes, halved, plate_body, spaced
+from slmm.fem.boundary import (
+    boundary_pieces,
+    boundary_segments,
+    crack_nodes,
+    halved,
+    on_boundary,
+    plate_body,
+    spaced,
+)
 
 
 @dataclass(frozen=True)
@@ -169,13 +177,15 @@ def plate_mesh(
         path = np.asarray(path, dtype=float)
         _check_path(path, body)
     largest = min(width, height) / 12 if size_max is None else size_max
-    size = element_size.all_sizes(largest, outlines, in_material, path, body, angle_max)
+    have_mouths = [on_boundary(crack[0], body, outlines) for crack in in_material]
+    size = element_size.all_sizes(largest, outlines, in_material, have_mouths, path, body, angle_max)
     if fine_at is not None:
         size.prescribe(*fine_at)
     lines = [crack_nodes(crack, size) for crack in in_material]
     if path is not None:
         lines.append(path)
-    mouths = np.array([line[0] for line in lines if _on_boundary(line[0], body, largest)]).reshape(-1, 2)
+        have_mouths.append(True)
+    mouths = np.array([line[0] for line, has in zip(lines, have_mouths, strict=True) if has]).reshape(-1, 2)
     rings = boundary_pieces(body, outlines, mouths)
     pieces = [piece for ring in rings for piece in ring]
 
@@ -184,13 +194,11 @@ def plate_mesh(
         points, segments, origin = boundary_segments(rings, parameters, outlines)
         n_boundary = len(segments)
         inner = []
-        for line in lines:
-            if line is path or _on_boundary(line[0], body, largest):
-                start, line = [_existing_node(points, line[0], largest)], line[1:]
-            else:
-                start = []
-            numbers = np.concatenate([np.array(start, dtype=int), len(points) + np.arange(len(line))])
-            points = np.concatenate([points, line])
+        for line, has_mouth in zip(lines, have_mouths, strict=True):
+            known = [_existing_node(points, line[0], largest)] if has_mouth else []
+            new = line[len(known) :]
+            numbers = np.array([*known, *(len(points) + np.arange(len(new)))])
+            points = np.concatenate([points, new])
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         vertices, triangles = _netgen(points, segments, n_boundary, largest)
@@ -243,10 +251,6 @@ def _check_path(path: np.ndarray, body: shapely.Polygon) -> None:
     if not np.all(inside):
         first = path[1:][~inside][0]
         raise ValueError(f"crack path node {first.tolist()} lies outside the material: shorten the path")
-
-
-def _on_boundary(point: np.ndarray, body: shapely.Polygon, largest: float) -> bool:
-    return bool(shapely.distance(shapely.points(point), body.boundary) <= 1e-6 * largest)
 
 
 def _existing_node(points: np.ndarray, mouth: np.ndarray, largest: float) -> int:

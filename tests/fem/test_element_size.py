@@ -139,7 +139,7 @@ def test_only_corners_of_the_material_are_singular():
 
     notch = [[-10, 45], [10, 45], [10, 55], [-10, 55]]
     outside = Outline.of_pieces(shapes.polygon(np.array(notch, dtype=float)))
-    size = all_sizes(8.0, [outside], [], None, plate_body(100, 100, [outside]), 0.12)
+    size = all_sizes(8.0, [outside], [], [], None, plate_body(100, 100, [outside]), 0.12)
     inner, outer = size(np.array([[10.0, 45.0], [-10.0, 45.0]]))
     assert inner == pytest.approx(SINGULAR_SHARE * 10.0)
     # as small as the gap between the notch's own sides asks for at most
@@ -176,7 +176,7 @@ def test_a_plate_in_another_size_has_the_same_mesh(factor):
         outline = Outline.through(shapes.ellipse((50 * k, 50 * k), (20 * k, 4 * k), 30.0))
         crack = np.array([[0.0, 20.0], [15.0, 25.0]]) * k
         body = plate_body(100 * k, 100 * k, [outline])
-        size = all_sizes(8.0 * k, [outline], [crack], None, body, 0.12)
+        size = all_sizes(8.0 * k, [outline], [crack], [True], None, body, 0.12)
         points = np.random.default_rng(0).uniform(0, 100, (200, 2))
         return size(points * k) / k
 
