@@ -1,4 +1,4 @@
-"""The command line: ``slmm initiation``, ``slmm info``.
+"""The command line: ``slmm initiation``, ``slmm forces``, ``slmm optimize``, ``slmm info``.
 
 Libraries that take long to import are imported where they are needed, so that help and refusals come at once.
 """
@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS  # the package itself has imported it
+from slmm.optimize_command import optimize
 from slmm.terminal import (
     check_no_input,
     check_target,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from slmm.fem.element_results import ElementResults
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app.add_typer(optimize, name="optimize")
 
 RESULT_FORMATS = (".nc",)
 MESH_FORMATS = (".vtu",)

@@ -1,0 +1,69 @@
+"""The algorithms that stay on one grid, by name, and their settings."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from slmm.optimization.annealing import sa
+from slmm.optimization.ask import Asking
+from slmm.optimization.breadth_first import bfsl, tbfsl
+from slmm.optimization.free_shape import fs
+from slmm.optimization.genetic import ga
+from slmm.optimization.sampling import bf, rs
+
+#: called with a problem, a start (or None), a random generator, and its settings by name
+Algorithm = Callable[..., Asking]
+
+ON_ONE_GRID: Mapping[str, Algorithm] = {
+    "bf": bf,
+    "bfsl": bfsl,
+    "fs": fs,
+    "ga": ga,
+    "rs": rs,
+    "sa": sa,
+    "tbfsl": tbfsl,
+}
+
+
+def chosen(algorithms: Mapping[str, Algorithm], name: str) -> Algorithm:
+    """The algorithm of this name.
+
+    Raises
+    ------
+    ValueError
+        When there is none.
+    """
+    if name not in algorithms:
+        raise ValueError(f"algorithm = {name!r}: must be one of {', '.join(sorted(algorithms))}")
+    return algorithms[name]
+
+
+def completed(algorithm: Algorithm, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """All settings of an algorithm: the given ones, and its own for the others.
+
+    Raises
+    ------
+    ValueError
+        When the algorithm has no setting of a name, or needs one that is not given.
+
+    Examples
+    --------
+    >>> completed(tbfsl, {"radius": 3})
+    {'depth': 4, 'radius': 3}
+    """
+    parameters = inspect.signature(algorithm).parameters.values()
+    its = {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+    for name in settings:
+        if name not in its:
+            known = f"must be one of {', '.join(its)}" if its else "it has none"
+            raise ValueError(f"{name}: is no setting; {known}")
+    result = its | dict(settings)
+    for name, value in result.items():
+        if value is inspect.Parameter.empty:
+            raise ValueError(f"{name}: must be given")
+    # plain numbers, which JSON can hold
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in result.items()}

@@ -1,0 +1,153 @@
+"""Kernels on grids of cells: what hangs together, and the elimination of nodes column by column.
+
+A line of nodes between two columns has 2 rows + 1 nodes, its unknowns (x, y) in turn from the top. The unknowns of one
+column are those of the line on its right, of the rows + 1 nodes in the middle of its cells' horizontal edges, and of
+the line on its left, in this order: so the first ones are eliminated and the line on the left is left over. Unknowns
+without material have zero rows and are passed over.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+kernel = njit(cache=True, error_model="numpy")
+
+
+@kernel
+def held(design):
+    """Which cells (rows, columns) hang together with the upper left one, edge to edge, if that is there."""
+    rows, columns = design.shape
+    reached = np.zeros((rows, columns), dtype=np.bool_)
+    stack = np.empty((rows * columns, 2), dtype=np.int64)
+    reached[0, 0], stack[0, 0], stack[0, 1] = True, 0, 0
+    top = 1
+    while top:
+        top -= 1
+        i, j = stack[top]
+        for k in range(4):
+            p, q = i + (k == 0) - (k == 1), j + (k == 2) - (k == 3)
+            if 0 <= p < rows and 0 <= q < columns and design[p, q] and not reached[p, q]:
+                reached[p, q] = True
+                stack[top, 0], stack[top, 1] = p, q
+                top += 1
+    return reached
+
+
+@kernel
+def connected(design):
+    """Whether the left column and the top row are there and every cell hangs on them, edge to edge."""
+    rows, columns = design.shape
+    for i in range(rows):
+        if not design[i, 0]:
+            return False
+    for j in range(columns):
+        if not design[0, j]:
+            return False
+    reached = held(design)
+    for i in range(rows):
+        for j in range(columns):
+            if design[i, j] and not reached[i, j]:
+                return False
+    return True
+
+
+@kernel
+def column_places(rows):
+    """Places (rows, 16) of each cell's unknowns among those of its column."""
+    line = 2 * (2 * rows + 1)
+    left = line + 2 * (rows + 1)
+    result = np.empty((rows, 16), dtype=np.int64)
+    for r in range(rows):
+        # corners left top, right top, right bottom, left bottom; then top, right, bottom, left
+        nodes = (
+            left + 4 * r,
+            4 * r,
+            4 * r + 4,
+            left + 4 * r + 4,
+            line + 2 * r,
+            4 * r + 2,
+            line + 2 * r + 2,
+            left + 4 * r + 2,
+        )
+        for k in range(8):
+            result[r, 2 * k], result[r, 2 * k + 1] = nodes[k], nodes[k] + 1
+    return result
+
+
+@kernel
+def add_column(A, V, cells, places, K_cell, f_cell):
+    """Add the stiffness and the weight of a column's cells to A (n, n) and to the first column of V (n, 2)."""
+    for r in range(len(cells)):
+        if cells[r]:
+            for i in range(16):
+                V[places[r, i], 0] += f_cell[i]
+                for j in range(16):
+                    A[places[r, i], places[r, j]] += K_cell[i, j]
+
+
+@kernel
+def eliminate(A, V, count):
+    """Eliminate the first unknowns of A u = V[:, 0], in place, and return V[:, 1] . u of these with the others zero.
+
+    Of A (n, n) only the upper triangle is used; V (n, 2).
+    """
+    n = len(A)
+    value = 0.0
+    for k in range(count):
+        pivot = A[k, k]
+        if pivot == 0.0:
+            continue
+        value += V[k, 0] * V[k, 1] / pivot
+        for i in range(k + 1, n):
+            factor = A[k, i] / pivot
+            if factor != 0.0:
+                for j in range(i, n):
+                    A[i, j] -= factor * A[k, j]
+                V[i, 0] -= factor * V[k, 0]
+                V[i, 1] -= factor * V[k, 1]
+    return value
+
+
+@kernel
+def endpoint_displacement(design, K_cell, f_cell):
+    """Sag of the upper right corner, by eliminating column after column from the free end."""
+    rows, columns = design.shape
+    places = column_places(rows)
+    line = 2 * (2 * rows + 1)
+    left = line + 2 * (rows + 1)
+    n = left + line
+    A, V = np.zeros((n, n)), np.zeros((n, 2))
+    V[1, 1] = 1.0  # the corner's vertical displacement
+    value = 0.0
+    for column in range(columns - 1, -1, -1):
+        add_column(A, V, design[:, column], places, K_cell, f_cell)
+        if column == 0:
+            # the left edge is held: its unknowns are not there
+            value += eliminate(A[:left, :left], V[:left], left)
+            break
+        value += eliminate(A, V, left)
+        for i in range(line):
+            V[i] = V[left + i]
+            for j in range(i, line):
+                A[i, j] = A[left + i, left + j]
+        for i in range(line):
+            for j in range(i):
+                A[i, j] = 0.0
+            for j in range(line, n):
+                A[i, j] = 0.0
+        A[line:] = 0.0
+        V[line:] = 0.0
+    return value
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def endpoint_displacements(designs, K_cell, f_cell):
+    """Sag of each design; NaN for those that are not valid."""
+    result = np.empty(len(designs))
+    for k in prange(len(designs)):
+        if connected(designs[k]):
+            result[k] = endpoint_displacement(designs[k], K_cell, f_cell)
+        else:
+            result[k] = np.nan
+    return result

@@ -1,0 +1,59 @@
+"""Searches that use nothing of what they have seen: all designs (BF), and random ones (RS); Paper C, A.1 and A.2."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from slmm.optimization.ask import Ask, Asking
+from slmm.optimization.checks import check_between
+from slmm.optimization.problem import Problem, random_cells
+
+#: free cells of which all designs are tried
+MOST = 20
+#: designs in one request
+BATCH = 1024
+
+
+def bf(problem: Problem, start: ArrayLike | None, rng: np.random.Generator) -> Asking:
+    """Brute force: every valid design."""
+    if start is not None:
+        raise ValueError("start: all designs are tried, there is none to start from")
+    free = ~problem.fixed
+    count = int(free.sum())
+    if count > MOST:
+        raise ValueError(
+            f"{count} free cells: no more than {MOST} are tried; "
+            "slmm.optimization.exhaustive knows all designs of larger cantilevers"
+        )
+    for first in range(0, 1 << count, BATCH):
+        codes = np.arange(first, min(first + BATCH, 1 << count))
+        designs = np.repeat(problem.start[None], len(codes), axis=0)
+        designs[:, free] = codes[:, None] >> np.arange(count) & 1
+        yield Ask(problem, designs)
+    return "all designs tried"
+
+
+def rs(problem: Problem, start: ArrayLike | None, rng: np.random.Generator, *, limit: float) -> Asking:
+    """Random sampling: valid designs, none of them twice, until one is not above a limit.
+
+    Parameters
+    ----------
+    limit : float
+        In the units of the values.
+    """
+    if start is not None:
+        raise ValueError("start: designs are random, there is none to start from")
+    number = 1 << int((~problem.fixed).sum())
+    check_between("limit", limit, -np.inf)
+    seen: set[bytes] = set()
+    while len(seen) < number:
+        designs = random_cells(problem, rng, BATCH)
+        names = [bits.tobytes() for bits in np.packbits(designs.reshape(BATCH, -1), axis=1)]
+        new = {name: k for k, name in enumerate(names) if name not in seen}
+        seen.update(new)
+        # not above the limit is below the next number
+        values = yield Ask(problem, designs[list(new.values())], below=np.nextafter(limit, np.inf))
+        if len(values) and values[-1] <= limit:
+            return "limit reached"
+    return "all designs tried"

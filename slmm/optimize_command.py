@@ -1,0 +1,208 @@
+"""``slmm optimize cantilever``: searches on the benchmark of Paper C."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from slmm.terminal import (
+    check_target,
+    console,
+    progress_bar,
+    refusals,
+    whole_file,
+    word_on_compilation,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+optimize = typer.Typer(no_args_is_help=True, help="Look for the best design on a grid of cells.")
+
+BRUTE_FORCE = "brute-force"
+ALGORITHMS = ("tbfsl", "bfsl", "ga", "sa", "fs", "rs", "bf", "mg", BRUTE_FORCE)
+#: runs in the table
+LISTED = 10
+
+
+@optimize.callback()
+def _group() -> None:
+    """Look for the best design on a grid of cells."""
+
+
+@optimize.command()
+def cantilever(
+    grid: Annotated[
+        str, typer.Option(metavar="COLUMNSxROWS", help="Cells along and over the height.")
+    ] = "8x5",
+    algorithm: Annotated[str, typer.Option(help=f"{', '.join(ALGORITHMS)} (Paper C).")] = "tbfsl",
+    depth: Annotated[int | None, typer.Option(min=1, help="Cells flipped at most (tbfsl, bfsl).")] = None,
+    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl).")] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="Another setting of the algorithm, as temperature=0.05."
+        ),
+    ] = None,
+    runs: Annotated[int, typer.Option(min=1, help="Searches, the k-th with seed + k.")] = 1,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Of the random numbers: the same seed, the same result.")
+    ] = 0,
+    workers: Annotated[int, typer.Option(min=1, help="Processes that evaluate designs.")] = 1,
+    best: Annotated[
+        int, typer.Option(min=1, help="How many of the best designs brute-force keeps.")
+    ] = 200_000,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Write everything as netCDF.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="OUT.png", help="Draw design and convergence (.png, .pdf or .svg).")
+    ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", help="Go on where a killed search was: needs -o, beside which its journals lie."
+        ),
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the runs as JSON.")] = False,
+) -> None:
+    """The cantilever under its own weight whose end should sag as little as can be."""
+    from slmm.cli import PICTURE_FORMATS, RESULT_FORMATS
+
+    with refusals():
+        check_target(output, RESULT_FORMATS, "-o")
+        check_target(plot, PICTURE_FORMATS, "--plot")
+        if algorithm not in ALGORITHMS:
+            raise ValueError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
+        if resume and (output is None or algorithm == BRUTE_FORCE):
+            raise ValueError("--resume: needs -o, and a search that has a journal (brute-force has none)")
+        its = _settings(depth, radius, settings or [])
+        with progress_bar() as progress, word_on_compilation():
+            from slmm.optimization import Cantilever
+            from slmm.optimization.brute_force import brute_force
+            from slmm.optimization.runs import search_runs
+            from slmm.plot_optimization import plot_optimization
+
+            beam = Cantilever(*_grid(grid))
+            if algorithm == BRUTE_FORCE:
+                if its or runs > 1:
+                    raise ValueError("brute-force has no settings, and one run finds all there is")
+                result = brute_force(beam, best, progress)
+            else:
+                result = search_runs(
+                    beam,
+                    algorithm,
+                    runs=runs,
+                    seed=seed,
+                    workers=workers,
+                    journals=None if output is None else output.with_suffix(".journals"),
+                    resume=resume,
+                    progress=lambda k, n, value: progress(
+                        k / runs, f"run {k + 1} of {runs}: {n:,} simulations, best {value:.6g} mm"
+                    ),
+                    **its,
+                )
+            result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
+            if output is not None:
+                with whole_file(output) as unfinished:
+                    result.to_netcdf(unfinished, engine="netcdf4")
+            if plot is not None:
+                figure = plot_optimization(beam, result)
+                with whole_file(plot) as unfinished:
+                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+        if as_json:
+            print(json.dumps(_record(result), indent=2))
+        else:
+            _print(result)
+
+
+def _grid(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d+)x(\d+)", text)
+    if match is None:
+        raise ValueError(f"--grid {text}: must be columns x rows, as 8x5")
+    return int(match[1]), int(match[2])
+
+
+def _settings(depth: int | None, radius: int | None, others: list[str]) -> dict[str, Any]:
+    """Settings by name; numbers as JSON has them."""
+    found: dict[str, Any] = {
+        name: value for name, value in (("depth", depth), ("radius", radius)) if value is not None
+    }
+    for text in others:
+        name, equals, value = text.partition("=")
+        try:
+            found[name] = json.loads(value)
+        except json.JSONDecodeError:
+            equals = ""
+        if not (name and equals):
+            raise ValueError(f"--set {text}: must be NAME=VALUE with a number or JSON, as temperature=0.05")
+    return found
+
+
+def _record(result: xr.Dataset) -> dict[str, Any]:
+    """What JSON shows."""
+    if "endpoint_displacement" in result:
+        return {
+            "n_valid": int(result.n_valid),
+            "best": float(result.endpoint_displacement[0]),
+            "best_design": result.best_design.values.astype(int).tolist(),
+        }
+    return {
+        "algorithm": result.attrs["algorithm"],
+        "settings": json.loads(result.attrs["settings"]),
+        "runs": [
+            {
+                "seed": int(run.seed),
+                "value": float(run.value),
+                "simulations": int(run.simulations),
+                "stopped": run.stopped.item(),
+                "best_design": run.best_design.values.astype(int).tolist(),
+            }
+            for run in (result.isel(run=k) for k in range(result.sizes["run"]))
+        ],
+    }
+
+
+def _print(result: xr.Dataset) -> None:
+    """The best design, and the runs in order."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    out = console()
+    if "endpoint_displacement" in result:
+        out.print(
+            f"{int(result.n_valid):,} valid designs; the best one's end sags {result.endpoint_displacement[0]:.6g} mm:"
+        )
+        _print_design(result.best_design.values)
+        return
+    order = result.value.argsort().values
+    table = Table(
+        title=f"{result.attrs['algorithm']}: best {min(LISTED, len(order))} of {len(order)} runs",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    for name in ("seed", "sag of the end\nmm", "simulations"):
+        table.add_column(name, justify="right")
+    table.add_column("stopped")
+    for k in order[:LISTED]:
+        run = result.isel(run=int(k))
+        table.add_row(
+            str(int(run.seed)), f"{float(run.value):.6g}", str(int(run.simulations)), run.stopped.item()
+        )
+    out.print(table)
+    _print_design(result.best_design.values[order[0]])
+    if len(order) > 1:
+        low, middle, high = result.value.quantile([0.25, 0.5, 0.75]).values
+        count = float(result.simulations.median())
+        out.print(f"Quartiles: {low:.6g}, {middle:.6g}, {high:.6g} mm; median of the simulations {count:g}.")
+
+
+def _print_design(design: Any) -> None:
+    for row in design:
+        print("  " + "".join("█" if cell else "·" for cell in row))

@@ -1,0 +1,108 @@
+"""All valid designs at once: how many there are, what each is worth, and their places."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from slmm.optimization.brute_force import brute_force, ranks
+from slmm.optimization.cantilever import Cantilever
+from slmm.optimization.exhaustive import all_designs, code_of, count_valid, design_of
+
+GRIDS = [(2, 2), (3, 2), (2, 4), (4, 3), (5, 3), (3, 5), (6, 1), (5, 4)]
+
+
+def every_design(beam):
+    """All designs of a small grid, valid or not."""
+    bits = (beam.columns - 1) * (beam.rows - 1)
+    return design_of(beam, np.arange(2**bits))
+
+
+@pytest.mark.parametrize("grid", GRIDS)
+def test_all_valid_designs_are_there_once_with_the_value_of_a_direct_solve(grid):
+    beam = Cantilever(*grid)
+    designs = every_design(beam)
+    expected = beam.endpoint_displacement(designs)
+    found = {}
+    for block in all_designs(beam):
+        for code, value in zip(block.code.ravel().tolist(), block.value.ravel(), strict=True):
+            assert code not in found
+            found[code] = value
+    valid = np.flatnonzero(np.isfinite(expected))
+    assert sorted(found) == valid.tolist()
+    assert count_valid(beam) == len(valid)
+    np.testing.assert_allclose([found[code] for code in valid], expected[valid], rtol=1e-9, atol=1e-13)
+
+
+def test_the_published_number_of_valid_designs_and_that_of_larger_grids():
+    assert count_valid(Cantilever(8, 5)) == 59_554_032
+    assert count_valid(Cantilever(9, 5)) == 776_083_856
+
+
+@given(st.integers(0, 2**28 - 1))
+def test_codes_and_designs_are_one_another(code):
+    design = design_of(Cantilever(8, 5), np.array(code))
+    assert design[0].all() and design[:, 0].all()
+    assert code_of(design) == code
+
+
+def test_a_bit_is_a_cell_column_after_column():
+    design = design_of(Cantilever(4, 3), np.array(0b000110))
+    assert design[1:, 1:].T.ravel().tolist() == [False, True, True, False, False, False]
+
+
+@pytest.mark.parametrize("grid", [(4, 3), (5, 4)])
+def test_the_best_are_in_order_and_ranks_are_places_in_it(grid):
+    beam = Cantilever(*grid)
+    values = np.sort(beam.endpoint_displacement(every_design(beam)))
+    values = values[np.isfinite(values)]
+    few = brute_force(beam, best=7)
+    np.testing.assert_allclose(few.endpoint_displacement, values[:7], rtol=1e-9, atol=1e-13)
+    everything = brute_force(beam)
+    assert int(everything.n_valid) == everything.sizes["rank"] == len(values)
+    best = beam.endpoint_displacement(few.best_design.values[None])[0]
+    assert best == pytest.approx(values[0], rel=1e-9)
+    # each design has as many before it as are truly better
+    asked = everything.endpoint_displacement.values[[5, 0, -1, 17]]
+    better = [(everything.endpoint_displacement.values < v - 1e-8 * abs(v)).sum() for v in asked]
+    assert ranks(beam, asked).tolist() == [1 + count for count in better]
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(2, 5), st.integers(1, 4))
+def test_the_count_is_that_of_designs_that_hang_together(columns, rows):
+    beam = Cantilever(columns, rows)
+    if (columns - 1) * (rows - 1) <= 12:
+        assert count_valid(beam) == beam.is_valid(every_design(beam)).sum()
+
+
+def test_progress_runs_to_the_end_and_nonsense_is_refused():
+    told = []
+    brute_force(Cantilever(4, 3), progress=lambda share, text: told.append((share, text)))
+    assert told[-1] == (1.0, "50 of 50 designs")
+    with pytest.raises(ValueError, match="best = 0"):
+        brute_force(Cantilever(4, 3), best=0)
+    with pytest.raises(ValueError, match="62 free cells at most"):
+        count_valid(Cantilever(20, 16))
+    with pytest.raises(ValueError, match="two columns at least"):
+        count_valid(Cantilever(1, 3))
+
+
+def test_rows_and_parts_that_only_the_other_half_holds_are_found():
+    """An arch: the right half's lower part hangs on nothing but the left half's."""
+    beam = Cantilever(6, 4)
+    design = np.ones((4, 6), dtype=bool)
+    design[1:, 1:] = False
+    design[3, :] = True
+    design[2, 5] = True
+    (value,) = beam.endpoint_displacement(design[None])
+    code = int(code_of(design))
+    found = [b.value[b.code == code] for b in all_designs(beam) if (b.code == code).any()]
+    assert np.concatenate(found) == pytest.approx([value], rel=1e-9)
+
+
+def test_a_product_of_patterns_is_what_the_halves_are_made_of():
+    beam = Cantilever(3, 3)
+    assert {tuple(d[1:, 1:].ravel()) for d in every_design(beam)} == set(product([False, True], repeat=4))

@@ -1,0 +1,93 @@
+"""`slmm optimize cantilever`: files, tables, pictures, resuming, refusals."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from slmm.cli import app
+from slmm.optimization import Cantilever
+from slmm.optimization.brute_force import brute_force
+from slmm.optimization.runs import search_runs
+from slmm.plot_optimization import plot_optimization
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["optimize", "cantilever", *(str(argument) for argument in arguments)])
+
+
+def test_brute_force_writes_all_valid_designs_in_order(tmp_path):
+    output, plot = tmp_path / "out.nc", tmp_path / "out.png"
+    result = run("--grid", "5x4", "--algorithm", "brute-force", "-o", output, "--plot", plot)
+    assert result.exit_code == 0, result.stderr
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    with xr.open_dataset(output) as found:
+        beam = Cantilever(5, 4)
+        assert found.sizes["rank"] == int(found.n_valid)
+        assert (np.diff(found.endpoint_displacement) >= 0).all()
+        best = beam.solved_directly(found.best_design.values.astype(bool))
+        assert best == pytest.approx(float(found.endpoint_displacement[0]), rel=1e-9)
+        assert found.endpoint_displacement.attrs["units"] == "mm"
+        assert f"{int(found.n_valid):,} valid designs" in result.stdout
+
+
+def test_runs_have_seeds_that_follow_and_come_out_the_same(tmp_path):
+    output = tmp_path / "out.nc"
+    arguments = "--grid", "5x4", "--depth", 2, "--radius", 2, "--runs", 4, "--seed", 7
+    first = run(*arguments, "-o", output, "--json")
+    assert first.exit_code == 0, first.stderr
+    content = json.loads(first.stdout)
+    assert [r["seed"] for r in content["runs"]] == [7, 8, 9, 10]
+    assert content["settings"] == {"depth": 2, "radius": 2}
+    assert json.loads(run(*arguments, "--json").stdout) == content
+    with xr.open_dataset(output) as found:
+        assert found.value.values.tolist() == [r["value"] for r in content["runs"]]
+        assert found.attrs["algorithm"] == "tbfsl"
+    table = run(*arguments)
+    assert "best 4 of 4 runs" in table.stdout
+    assert "Quartiles:" in table.stdout
+
+
+def test_a_finished_search_is_resumed_to_the_same_file(tmp_path):
+    output = tmp_path / "out.nc"
+    arguments = "--grid", "5x4", "--runs", 2, "-o", output
+    assert run(*arguments).exit_code == 0
+    with xr.open_dataset(output) as found:
+        before = found.load()
+    output.unlink()
+    again = run(*arguments, "--resume")
+    assert again.exit_code == 0, again.stderr
+    with xr.open_dataset(output) as found:
+        xr.testing.assert_identical(found.drop_attrs(), before.drop_attrs())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--grid", "8by5"], "--grid 8by5: must be columns x rows, as 8x5"),
+        (["--algorithm", "newton"], "--algorithm newton: must be one of tbfsl, bfsl"),
+        (["--set", "temperature"], "--set temperature: must be NAME=VALUE"),
+        (["--set", "speed=3"], "speed: is no setting; must be one of depth, radius"),
+        (["--resume"], "--resume: needs -o"),
+        (["--algorithm", "brute-force", "--depth", 2], "brute-force has no settings"),
+        (["--algorithm", "brute-force", "--grid", "48x16"], "62 free cells at most"),
+        (["-o", "out.csv"], "the name must end with .nc"),
+    ],
+)
+def test_bad_input_is_refused_by_name(arguments, words):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.split())
+
+
+def test_pictures_show_the_best_run_and_single_results():
+    beam = Cantilever(5, 4)
+    found = search_runs(beam, "tbfsl", runs=3)
+    figure = plot_optimization(beam, found)
+    assert f"{float(found.value.min()):.5g}" in figure.axes[0].get_title()
+    assert "3 runs" in figure.axes[1].get_title()
+    single = found.isel(run=0, drop=True)
+    assert "1 run" in plot_optimization(beam, single).axes[1].get_title()
+    assert "best of" in plot_optimization(beam, brute_force(beam, best=10)).axes[1].get_title()
