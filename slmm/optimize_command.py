@@ -151,7 +151,7 @@ def _record(result: xr.Dataset) -> dict[str, Any]:
         return {
             "n_valid": int(result.n_valid),
             "best": float(result.endpoint_displacement[0]),
-            "best_design": result.best_design.values.astype(int).tolist(),
+            "best_design": _rows(result.best_design.values),
         }
     return {
         "algorithm": result.attrs["algorithm"],
@@ -162,11 +162,16 @@ def _record(result: xr.Dataset) -> dict[str, Any]:
                 "value": float(run.value),
                 "simulations": int(run.simulations),
                 "stopped": run.stopped.item(),
-                "best_design": run.best_design.values.astype(int).tolist(),
+                "best_design": _rows(run.best_design.values),
             }
             for run in (result.isel(run=k) for k in range(result.sizes["run"]))
         ],
     }
+
+
+def _rows(design: Any) -> list[str]:
+    """A design as text, 1 where there is material."""
+    return ["".join("1" if cell else "0" for cell in row) for row in design]
 
 
 def _print(result: xr.Dataset) -> None:

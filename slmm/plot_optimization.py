@@ -60,14 +60,12 @@ def draw_design(axes: Axes, beam: Cantilever, design: np.ndarray) -> None:
     for i, j in zip(r, c, strict=True):
         row, column = np.transpose([(2 * i + a, 2 * j + b) for a, b in _AROUND])
         here = np.column_stack([x[row, column], y[row, column]])
-        still.append(here)
-        bent.append(here + scale * u[row, column])
-    # y points down
-    axes.add_collection(PolyCollection(np.array(still) * [1, -1], facecolors="0.9", edgecolors="none"))
+        # y points down
+        still.append(here * [1, -1])
+        bent.append((here + scale * u[row, column]) * [1, -1])
+    axes.add_collection(PolyCollection(still, facecolors="0.9", edgecolors="none"))
     axes.add_collection(
-        PolyCollection(
-            np.array(bent) * [1, -1], facecolors=PALETTE[4], edgecolors="white", linewidths=0.5, alpha=0.9
-        )
+        PolyCollection(bent, facecolors=PALETTE[4], edgecolors="white", linewidths=0.5, alpha=0.9)
     )
     corner = np.array([LENGTH, 0.0]) + scale * u[0, -1]
     axes.plot(corner[0], -corner[1], "o", color=CRITICAL, ms=5)

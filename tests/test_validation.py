@@ -258,3 +258,16 @@ def test_calculix_gives_the_exact_j_where_it_is_installed_and_is_left_out_where_
     monkeypatch.setattr(calculix.shutil, "which", lambda name: None)
     assert calculix.main(quick=True) == []
     assert "ccx) is not installed" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_all_cantilevers_of_a_grid_have_the_values_of_direct_solves():
+    checks = script("all_cantilevers").main(quick=True)
+    assert of(checks, quantity="largest relative difference")[0].ours < 1e-9
+    assert abs(of(checks, quantity="best value")[0].difference) < 1e-9
+
+
+@pytest.mark.slow
+def test_searches_of_table_2_need_as_many_simulations_as_published():
+    for check in script("table2_searches").main(quick=True):
+        assert check.tolerance == np.inf, check  # the median lies in the paper's quartiles

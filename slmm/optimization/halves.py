@@ -147,9 +147,9 @@ def _grown(halves: Halves, K: np.ndarray, V: np.ndarray, shift: int) -> Halves:
     profiles: dict[Profile, int] = {}
     follows = np.full((len(halves.profiles), patterns), -1)
     for i, profile in enumerate(halves.profiles):
-        for pattern in range(patterns):
-            if (after := _continued(profile, pattern)) is not None:
-                follows[i, pattern] = profiles.setdefault(after, len(profiles))
+        for j in range(patterns):
+            if (after := _continued(profile, j)) is not None:
+                follows[i, j] = profiles.setdefault(after, len(profiles))
     parent, pattern = np.nonzero(follows[halves.profile] >= 0)
     K_new, V_new, value = _condensed(halves.K, halves.V, halves.value, K, V, parent, pattern)
     return Halves(
