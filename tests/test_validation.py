@@ -271,3 +271,22 @@ def test_all_cantilevers_of_a_grid_have_the_values_of_direct_solves():
 def test_searches_of_table_2_need_as_many_simulations_as_published():
     for check in script("table2_searches").main(quick=True):
         assert check.tolerance == np.inf, check  # the median lies in the paper's quartiles
+
+
+@pytest.mark.slow
+def test_neighbours_of_a_design_are_those_of_direct_solves():
+    for check in of(script("neighbourhood").main(quick=True), quantity="largest relative error"):
+        assert check.ours < 1e-4, check
+
+
+@pytest.mark.slow
+def test_several_grids_and_killed_searches_end_as_they_should():
+    checks = script("tables3_4_multi_grid").main(quick=True)
+    assert of(checks, quantity="final values against direct solves")[0].ours < 1e-6
+    assert of(checks, "two grids", "median")[0].ours < 0.02
+    assert of(script("killed_searches").main(quick=True), quantity="differ")[0].ours == 0.0
+
+
+@pytest.mark.slow
+def test_depth_and_radius_act_as_in_fig_10():
+    assert all(check.holds for check in script("fig10_parameters").main(quick=True))

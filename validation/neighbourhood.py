@@ -1,0 +1,80 @@
+"""Neighbours of designs on the 48 x 16 cantilever by a few unknowns, against a sparse solve for each, in the same run.
+
+The whole neighbourhood of TBFSL(4, 2), some 6000 valid designs, of random designs and of one that a search has found.
+Required: 200 times as fast as a fresh sparse solve, the model's making included; and no neighbour off by more than
+1e-4, since what is accepted is solved directly anyway. Writes validation/results/neighbourhood.csv, a minute;
+``--quick`` takes one design of 16 x 8.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from checks import Check, run, save, show
+
+from slmm.optimization.breadth_first import flips_within
+from slmm.optimization.cantilever import Cantilever
+from slmm.optimization.neighbourhood_model import NeighbourhoodModel
+from slmm.optimization.search import search
+
+
+def neighbours(beam: Cantilever, design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Flips (n, 4) and designs of the valid neighbours."""
+    levels = [flips_within(~beam.fixed, k, 2) for k in (1, 2, 3, 4)]
+    flips = np.concatenate([np.pad(f, ((0, 0), (0, 4 - f.shape[1])), constant_values=-1) for f in levels])
+    designs = np.repeat(design.reshape(1, -1), len(flips), axis=0)
+    row, k = np.nonzero(flips >= 0)
+    designs[row, flips[row, k]] ^= True
+    designs = designs.reshape(-1, *design.shape)
+    valid = beam.is_valid(designs)
+    return flips[valid], designs[valid]
+
+
+def compared(beam: Cantilever, name: str, design: np.ndarray, required: bool) -> list[Check]:
+    flips, designs = neighbours(beam, design)
+    NeighbourhoodModel(beam, design).evaluate(flips[:50])  # compiles
+    seconds, again, fresh = [], [], []
+    for _ in range(3):
+        start = time.perf_counter()
+        model = NeighbourhoodModel(beam, design)
+        values = model.evaluate(flips)
+        seconds.append(time.perf_counter() - start)
+        start = time.perf_counter()
+        model.evaluate(flips)
+        again.append(time.perf_counter() - start)
+        start = time.perf_counter()
+        for one in designs[::500][:10]:
+            beam.solved_directly(one)
+        fresh.append((time.perf_counter() - start) / len(designs[::500][:10]))
+    each, later, direct = min(seconds) / len(flips), min(again) / len(flips), min(fresh)
+    some = np.random.default_rng(0).choice(len(flips), min(1000, len(flips)), replace=False)
+    exact = beam.endpoint_displacement(designs[some])
+    off = np.abs(values[some] - exact) / np.abs(exact)
+    case = f"{beam.columns} x {beam.rows}, {name}, {len(flips)} neighbours"
+    rule = "at most" if required else "told"
+    return [
+        Check(case, "time over a sparse solve's", 1 / 200, each / direct, rule=rule, source="required"),
+        Check(case, f"the same, model made ({1e6 * later:.0f} of {1e3 * direct:.1f} ms)".replace(" of ", " us of "),
+              1 / 200, later / direct, rule="told"),
+        Check(case, "largest relative error of 1000", 1e-4, float(off.max()), rule="at most", source="direct"),
+    ]  # fmt: skip
+
+
+def main(quick: bool = False) -> list[Check]:
+    beam = Cantilever(16, 8) if quick else Cantilever(48, 16)
+    rng = np.random.default_rng(1)
+    checks = []
+    for share in [0.6] if quick else [0.5, 0.6, 0.8]:
+        design = beam.repaired(beam.fixed | (rng.random(beam.shape) < share))
+        checks += compared(beam, f"random, {share:g} full", design, not quick)
+    found = search(beam, "tbfsl", depth=2 if quick else 1, radius=1, seed=0)
+    checks += compared(beam, f"optimised to {found.value:.3g} mm", found.best_design, not quick)
+    show("Neighbours of a design", checks)
+    if not quick:
+        save("neighbourhood", [check.row() for check in checks])
+    return checks
+
+
+if __name__ == "__main__":
+    run(main, __doc__)
