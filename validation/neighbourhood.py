@@ -1,9 +1,10 @@
 """Neighbours of designs on the 48 x 16 cantilever by a few unknowns, against a sparse solve for each, in the same run.
 
-The whole neighbourhood of TBFSL(4, 2), some 6000 valid designs, of random designs and of one that a search has found.
-Required: 200 times as fast as a fresh sparse solve, the model's making included; and no neighbour off by more than
-1e-4, since what is accepted is solved directly anyway. Writes validation/results/neighbourhood.csv, a minute;
-``--quick`` takes one design of 16 x 8.
+The whole neighbourhood of TBFSL(4, 2), some 6000 valid designs, of random designs, of two that a search comes by, and
+of one made to be floppy: a coil that hangs on one cell. Required: 200 times as fast as a fresh sparse solve, the
+model's making included; no neighbour off by more than 1e-4, and none that is better than the centre by more than the
+model says, since a search takes its word for what is worse. (The coil is no design that a search comes by, its time is
+told.) Writes validation/results/neighbourhood.csv, three minutes; ``--quick`` takes one design of 16 x 8.
 """
 
 from __future__ import annotations
@@ -51,14 +52,27 @@ def compared(beam: Cantilever, name: str, design: np.ndarray, required: bool) ->
     some = np.random.default_rng(0).choice(len(flips), min(1000, len(flips)), replace=False)
     exact = beam.endpoint_displacement(designs[some])
     off = np.abs(values[some] - exact) / np.abs(exact)
+    centre = float(beam.endpoint_displacement(design[None])[0])
+    better = exact < centre
+    excess = float(np.max(values[some][better] - exact[better], initial=0.0)) / model.error
     case = f"{beam.columns} x {beam.rows}, {name}, {len(flips)} neighbours"
     rule = "at most" if required else "told"
     return [
         Check(case, "time over a sparse solve's", 1 / 200, each / direct, rule=rule, source="required"),
-        Check(case, f"the same, model made ({1e6 * later:.0f} of {1e3 * direct:.1f} ms)".replace(" of ", " us of "),
-              1 / 200, later / direct, rule="told"),
+        Check(case, f"the same, model made ({1e6 * later:.0f} us, {1e3 * direct:.1f} ms)", 1 / 200, later / direct,
+              rule="told"),
         Check(case, "largest relative error of 1000", 1e-4, float(off.max()), rule="at most", source="direct"),
+        Check(case, "better ones: too high by, over what the model says", 1.0, excess, rule="at most", source="direct"),
     ]  # fmt: skip
+
+
+def coil(beam: Cantilever) -> np.ndarray:
+    """One cell wide, up and down, from under the corner back to the left edge."""
+    design = beam.fixed.copy()
+    last, bottom = beam.columns - 1, beam.rows - 1
+    design[1, last] = design[2:, last:1:-2] = True
+    design[bottom, last - 1 : 2 : -4] = design[2, last - 3 : 2 : -4] = True
+    return beam.repaired(design)
 
 
 def main(quick: bool = False) -> list[Check]:
@@ -68,8 +82,10 @@ def main(quick: bool = False) -> list[Check]:
     for share in [0.6] if quick else [0.5, 0.6, 0.8]:
         design = beam.repaired(beam.fixed | (rng.random(beam.shape) < share))
         checks += compared(beam, f"random, {share:g} full", design, not quick)
-    found = search(beam, "tbfsl", depth=2 if quick else 1, radius=1, seed=0)
-    checks += compared(beam, f"optimised to {found.value:.3g} mm", found.best_design, not quick)
+    for most in [300] if quick else [3000, 100_000]:
+        found = search(beam, "tbfsl", seed=0, max_simulations=most)
+        checks += compared(beam, f"searched to {found.value:.3g} mm", found.best_design, not quick)
+    checks += compared(beam, "a coil", coil(beam), False)
     show("Neighbours of a design", checks)
     if not quick:
         save("neighbourhood", [check.row() for check in checks])

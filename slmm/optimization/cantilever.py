@@ -19,7 +19,7 @@ from scipy.sparse.linalg import splu
 
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.elements import ELEMENTS
-from slmm.optimization.column_kernels import connected, endpoint_displacements, held
+from slmm.optimization.column_kernels import all_connected, connected, endpoint_displacements, held
 from slmm.optimization.problem import Neighbours
 
 LENGTH, HEIGHT = 120.0, 40.0  # mm
@@ -83,7 +83,7 @@ class Cantilever:
 
     def is_valid(self, designs: ArrayLike) -> np.ndarray:
         """Whether designs (n, rows, columns) have their fixed cells and hang together (n,)."""
-        return np.array([connected(design) for design in self.checked(designs)], dtype=bool)
+        return all_connected(self.checked(designs))
 
     @property
     def shape(self) -> tuple[int, int]:

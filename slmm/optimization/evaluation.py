@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 #: designs that are looked at first when one is enough, for each worker: a better one often comes early
 FIRST = 4
+#: and so many of them when a quick model says how good they are
+FIRST_OF_MODEL = 64
 #: then this share of those looked at already, so that little is done in vain
 GROWTH = 0.25
 #: and not more than this
@@ -39,8 +41,6 @@ MOST = 1 << 16
 PIECE = 0.05
 #: pieces of work for each worker, at least: some evaluations take longer than others
 PIECES = 2
-#: a neighbour is a candidate unless its approximate value exceeds the limit by more than this share of the limit
-MARGIN = 1e-6
 
 #: values of designs (n, rows, columns), in order, piece by piece
 Evaluate = Callable[[Problem, np.ndarray], Iterator[np.ndarray]]
@@ -69,43 +69,48 @@ class Evaluation:
         Values by `keys`: those known before, and all that are found.
     record : callable, optional
         Is told each new value by its key.
+    early : bool
+        Whether the last design below a limit was among the first of those asked for: then the next ones are not worth a
+        quick model.
     """
 
     evaluate: Evaluate
     workers: int = 1
     known: dict[bytes, float] = field(default_factory=dict)
     record: Record | None = None
+    early: bool = True
 
     def answer(self, ask: Ask, most: float = np.inf) -> Iterator[Part]:
         """The answer part by part; it ends where so many of the designs were valid."""
-        done, model = 0, None
+        done, model = 0, None if self.early else model_around(ask)
         while done < len(ask.designs) and most > 0:
-            designs = ask.designs[done : done + self.size(ask, done)]
+            if done and model is None:
+                model = model_around(ask)
+            designs = ask.designs[done : done + self.size(ask, done, model is not None)]
             valid = ask.problem.valid(designs)
             end = int(np.searchsorted(np.cumsum(valid), most)) + 1
             designs, valid = designs[:end], valid[:end]
             values = np.full(len(designs), np.nan)
             if model is not None and isinstance(ask.designs, Flipped):
-                flips = ask.designs.flips[done : done + len(designs)]
-                values[valid] = self.confirmed(ask, designs[valid], model.evaluate(flips[valid]))
+                values[valid] = self.confirmed(
+                    ask, designs[valid], model, ask.designs.flips[done : done + len(designs)][valid]
+                )
             else:
                 values[valid] = self.values(ask.problem, designs[valid])
             if (below := values < ask.below).any():
                 end = int(below.argmax()) + 1
+                self.early = done + end <= FIRST * self.workers
                 yield Part(values[:end], designs[:end], valid[:end])
                 return
             yield Part(values, designs, valid)
             done += len(designs)
             most -= valid.sum()
-            if model is None:
-                # only now: it takes longer to make than a better neighbour that comes early
-                model = model_around(ask)
 
-    def size(self, ask: Ask, done: int) -> int:
+    def size(self, ask: Ask, done: int, by_model: bool) -> int:
         """How many designs to look at next when so many are done."""
         if ask.below == -np.inf:
             return len(ask.designs)
-        return max(FIRST * self.workers, min(int(GROWTH * done), MOST))
+        return max(FIRST_OF_MODEL if by_model else FIRST * self.workers, min(int(GROWTH * done), MOST))
 
     def values(self, problem: Problem, designs: np.ndarray) -> np.ndarray:
         """Values (n,) of valid designs."""
@@ -120,11 +125,11 @@ class Evaluation:
                     self.record(found)
         return np.array([self.known[name] for name in names])
 
-    def confirmed(self, ask: Ask, designs: np.ndarray, approximate: np.ndarray) -> np.ndarray:
+    def confirmed(self, ask: Ask, designs: np.ndarray, model: Neighbours, flips: np.ndarray) -> np.ndarray:
         """Values of the candidates among valid designs, up to the first below the limit; infinity for the others."""
         values = np.full(len(designs), np.inf)
         # a design without an approximate value is a candidate, too
-        candidates = np.flatnonzero(~(approximate > ask.below + MARGIN * abs(ask.below)))
+        candidates = np.flatnonzero(~(model.evaluate(flips) > ask.below + model.error))
         for first in range(0, len(candidates), self.workers):
             these = candidates[first : first + self.workers]
             values[these] = self.values(ask.problem, designs[these])

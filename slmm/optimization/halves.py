@@ -166,7 +166,7 @@ def _grown(halves: Halves, K: np.ndarray, V: np.ndarray, shift: int) -> Halves:
 def _columns(beam: Cantilever, towards_right: bool) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness (patterns, 2 m, 2 m) and loads (patterns, 2 m, 2) of columns: the line behind, then the line ahead."""
     line, middles = 2 * (2 * beam.rows + 1), 2 * (beam.rows + 1)
-    right, between, left = np.split(np.arange(2 * line + middles), [line, line + middles])
+    between, right, left = np.split(np.arange(2 * line + middles), [middles, middles + line])
     # what is in the middle comes first and is eliminated
     order = np.concatenate([between, *((left, right) if towards_right else (right, left))])
     place = np.empty_like(order)

@@ -71,7 +71,18 @@ class Problem(Protocol):
 
 
 class Neighbours(Protocol):
-    """A quick model of the designs around one."""
+    """A quick model of the designs around one.
+
+    Parameters
+    ----------
+    error : float
+        So much may values be too high that are not above the centre's: what seems worse by more is not evaluated.
+    """
+
+    @property
+    def error(self) -> float:
+        """So much may values be too high that are not above the centre's."""
+        ...
 
     def evaluate(self, flips: np.ndarray) -> np.ndarray:
         """Approximate values (n,) of the designs in which these cells (n, k) of the centre are flipped.

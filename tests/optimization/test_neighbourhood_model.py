@@ -40,7 +40,7 @@ def test_all_single_and_double_flips_are_those_of_direct_solves(grid, seed):
     free = np.flatnonzero(~beam.fixed.ravel())
     flips = np.array([[a, -1] for a in free] + [[a, b] for a, b in combinations(free, 2)])
     ours, direct = compared(beam, design, flips)
-    np.testing.assert_allclose(ours, direct, rtol=1e-6)
+    np.testing.assert_allclose(ours, direct, rtol=1e-8)
 
 
 def test_no_flip_is_the_centre():
@@ -63,8 +63,7 @@ def test_cells_anywhere_may_be_flipped(seed, columns, rows):
     valid = beam.is_valid(designs)
     ours = NeighbourhoodModel(beam, design).evaluate(flips[valid])
     direct = beam.endpoint_displacement(designs[valid])
-    # floppy designs lose digits
-    assert (np.abs(ours - direct) < 1e-5 * np.abs(direct) + 1e-9).all()
+    np.testing.assert_allclose(ours, direct, rtol=1e-8)
 
 
 def test_cells_far_apart_are_solved_directly():
@@ -85,7 +84,24 @@ def test_the_first_material_at_the_free_end_comes_and_the_last_goes():
     (less,) = NeighbourhoodModel(beam, grown).evaluate(np.array([[last]]))
     light, heavy = beam.endpoint_displacement([lightest, grown])
     assert more == pytest.approx(heavy, rel=1e-9)
-    assert less == pytest.approx(light, rel=1e-6)
+    assert less == pytest.approx(light, rel=1e-9)
+
+
+def test_a_link_that_goes_while_another_comes_is_solved_directly():
+    # a long coil hangs on the cell under the corner; without it the cell beside it holds it all
+    beam = Cantilever(24, 12)
+    design = beam.fixed.copy()
+    design[2:, 23:3:-2] = True
+    design[1, 23] = True
+    design[11, 22:3:-4] = design[2, 20:3:-4] = True
+    flips = np.array([[2 * 24 - 1, 2 * 24 - 3]])
+    ours, direct = compared(beam, design, flips)
+    assert ours[0] == direct[0]
+    free = np.flatnonzero(~beam.fixed.ravel())
+    flips = np.array([[a, b] for a, b in combinations(free, 2) if b - a in (1, 23, 24, 25)])
+    flips = flips[beam.is_valid(flipped(design, flips))]
+    ours, direct = compared(beam, design, flips)
+    np.testing.assert_allclose(ours, direct, rtol=1e-6)
 
 
 def test_values_do_not_depend_on_what_was_asked_before():
