@@ -54,7 +54,9 @@ def cantilever(
     seed: Annotated[
         int, typer.Option(min=0, help="Of the random numbers: the same seed, the same result.")
     ] = 0,
-    workers: Annotated[int, typer.Option(min=1, help="Processes that evaluate designs.")] = 1,
+    workers: Annotated[
+        int, typer.Option(min=1, help="Processes, for runs side by side or, with one, for designs.")
+    ] = 1,
     best: Annotated[
         int, typer.Option(min=1, help="How many of the best designs brute-force keeps.")
     ] = 200_000,
@@ -104,7 +106,7 @@ def cantilever(
                     journals=None if output is None else output.with_suffix(".journals"),
                     resume=resume,
                     progress=lambda k, n, value: progress(
-                        k / runs, f"run {k + 1} of {runs}: {n:,} simulations, best {value:.6g} mm"
+                        k / runs, f"{k} of {runs} runs done: {n:,} simulations, best {value:.6g} mm"
                     ),
                     **its,
                 )

@@ -166,7 +166,7 @@ def evaluating(workers: int = 1, client: Client | None = None) -> Iterator[tuple
         yield partial(_elsewhere, client.get_executor(pure=False), at_once, Pace()), at_once
     elif workers > 1:
         # forked processes would share locks of threads that they do not have
-        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=_settle)
+        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=settle)
         try:
             yield partial(_elsewhere, pool, workers, Pace()), workers
         finally:
@@ -223,7 +223,7 @@ def _unpickled(problem: bytes) -> Problem:
     return pickle.loads(problem)
 
 
-def _settle() -> None:
+def settle() -> None:
     """Make a process one of many: one thread, and an end when its parent is killed."""
     numba.set_num_threads(1)
     threadpoolctl.threadpool_limits(1)

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from slmm.optimization.checks import check_whole
+from slmm.optimization.evaluation import settle
 from slmm.optimization.problem import Problem
 from slmm.optimization.search import SearchResult, search
 
-#: is told the number of the run, of its simulations, and the best value of all runs so far
+#: is told how many runs are done, the number of simulations, and the best value so far, of all runs
 Progress = Callable[[int, int, float], None]
 
 
@@ -22,6 +27,7 @@ def search_runs(
     *,
     runs: int = 1,
     seed: int = 0,
+    workers: int = 1,
     journals: str | Path | None = None,
     resume: bool = False,
     progress: Progress | None = None,
@@ -32,12 +38,15 @@ def search_runs(
     Parameters
     ----------
     runs : int
+    workers : int
+        Number of processes on this machine. Several runs go side by side, one has its designs evaluated side by side;
+        the results are the same. Scripts that ask for more than one need ``if __name__ == "__main__":``.
     journals : str or Path, optional
         A folder for the journal of each run, see `slmm.optimization.journal`; made where it is missing.
     resume : bool
         Go on with the journals that are there.
     progress : callable, optional
-        Is told the number of the run, the number of its simulations, and the best value of all runs.
+        Is told how many runs are done, the number of simulations, and the best value so far, of all runs.
     problem, algorithm, seed, options
         As in `slmm.optimization.search`.
 
@@ -49,7 +58,7 @@ def search_runs(
     Raises
     ------
     ValueError
-        When runs is less than 1, and as in `search`.
+        When runs or workers is less than 1, and as in `search`.
 
     Examples
     --------
@@ -58,32 +67,84 @@ def search_runs(
     >>> found.value.dims, found.value.round(5).values.tolist()
     (('run',), [0.00717, 0.00717, 0.00717])
     """
-    if runs < 1:
-        raise ValueError(f"runs = {runs}: must be 1 at least")
+    check_whole("runs", runs, 1)
+    check_whole("workers", workers, 1)
     if journals is not None:
         Path(journals).mkdir(parents=True, exist_ok=True)
-    results: list[SearchResult] = []
-    for k in range(runs):
-        best = min((result.value for result in results), default=np.inf)
-
-        def tell(simulations: int, value: float, k: int = k, best: float = best) -> None:
-            if progress is not None:
-                progress(k, simulations, min(value, best))
-
-        journal = None if journals is None else Path(journals) / f"run-{seed + k}.sqlite"
-        results.append(
-            search(
-                problem, algorithm, seed=seed + k, journal=journal, resume=resume, progress=tell, **options
-            )
-        )
-    each = [result.to_dataset() for result in results]
+    one = partial(_one, problem, algorithm, seed, journals, resume, options)
+    told = _Told(progress)
+    results: dict[int, SearchResult] = {}
+    for k, result in (
+        _beside(one, runs, workers) if min(runs, workers) > 1 else _in_turn(one, runs, workers, told)
+    ):
+        results[k] = result
+        told.of_run(result)
+    each = [results[k].to_dataset() for k in range(runs)]
     each = [one.assign_coords(improvement=np.arange(one.sizes["improvement"])) for one in each]
     joined = xr.concat(each, dim="run", join="outer", combine_attrs="drop_conflicts")
     joined.attrs.pop("stopped", None)
     joined["stopped"] = (
         "run",
-        np.array([r.stopped for r in results], dtype=object),
+        np.array([results[k].stopped for k in range(runs)], dtype=object),
         {"units": "1", "long_name": "why"},
     )
-    joined["seed"] = ("run", [r.seed for r in results], {"units": "1", "long_name": "of the random numbers"})
+    joined["seed"] = (
+        "run",
+        [results[k].seed for k in range(runs)],
+        {"units": "1", "long_name": "of the random numbers"},
+    )
     return joined
+
+
+def _one(
+    problem: Problem,
+    algorithm: str,
+    seed: int,
+    journals: str | Path | None,
+    resume: bool,
+    options: dict[str, Any],
+    k: int,
+    **more: Any,
+) -> SearchResult:
+    """The k-th run."""
+    journal = None if journals is None else Path(journals) / f"run-{seed + k}.sqlite"
+    return search(problem, algorithm, seed=seed + k, journal=journal, resume=resume, **options, **more)
+
+
+def _in_turn(
+    one: Callable[..., SearchResult], runs: int, workers: int, told: _Told
+) -> Iterator[tuple[int, SearchResult]]:
+    for k in range(runs):
+        yield k, one(k, workers=workers, progress=told.on_the_way)
+
+
+def _beside(one: Callable[..., SearchResult], runs: int, workers: int) -> Iterator[tuple[int, SearchResult]]:
+    """Each run in a process, in the order in which they end."""
+    pool = ProcessPoolExecutor(min(runs, workers), get_context("spawn"), initializer=settle)
+    try:
+        waiting = {pool.submit(one, k): k for k in range(runs)}
+        for future in as_completed(waiting):
+            yield waiting[future], future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+class _Told:
+    """Sums up what is told."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.progress = progress
+        self.runs = self.simulations = 0
+        self.best = np.inf
+
+    def on_the_way(self, simulations: int, value: float) -> None:
+        """By a run that goes on."""
+        if self.progress is not None:
+            self.progress(self.runs, self.simulations + simulations, min(self.best, value))
+
+    def of_run(self, result: SearchResult) -> None:
+        """By one that is done."""
+        self.runs, self.simulations = self.runs + 1, self.simulations + result.simulations
+        self.best = min(self.best, result.value)
+        if self.progress is not None:
+            self.progress(self.runs, self.simulations, self.best)

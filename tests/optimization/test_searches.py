@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -305,3 +306,18 @@ def test_runs_are_searches_with_seeds_that_follow():
     assert runs.seed.values.tolist() == [4, 5, 6]
     with pytest.raises(ValueError, match="runs = 0"):
         search_runs(BEAM, runs=0)
+
+
+def test_runs_side_by_side_are_those_one_after_the_other(tmp_path):
+    told = []
+    options = {"runs": 3, "seed": 4, "depth": 2}
+    beside = search_runs(
+        BEAM, "tbfsl", workers=2, journals=tmp_path, progress=lambda *news: told.append(news), **options
+    )
+    in_turn = search_runs(BEAM, "tbfsl", **options)
+    xr.testing.assert_identical(beside, in_turn)
+    assert [news[0] for news in told] == [1, 2, 3]
+    assert told[-1][1:] == (int(in_turn.simulations.sum()), float(in_turn.value.min()))
+    assert sorted(path.name for path in tmp_path.glob("*.sqlite")) == [f"run-{k}.sqlite" for k in (4, 5, 6)]
+    with pytest.raises(ValueError, match="depth"):
+        search_runs(BEAM, "tbfsl", runs=2, workers=2, depth=0)
