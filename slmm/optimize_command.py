@@ -82,8 +82,8 @@ def cantilever(
         check_target(plot, PICTURE_FORMATS, "--plot")
         if algorithm not in ALGORITHMS:
             raise ValueError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
-        if resume and (output is None or algorithm == BRUTE_FORCE):
-            raise ValueError("--resume: needs -o, and a search that has a journal (brute-force has none)")
+        if resume and output is None:
+            raise ValueError("--resume: needs -o, beside which the journals lie")
         its = _settings(depth, radius, settings or [])
         with progress_bar() as progress, word_on_compilation():
             from slmm.optimization import Cantilever
@@ -92,10 +92,14 @@ def cantilever(
             from slmm.plot_optimization import plot_optimization
 
             beam = Cantilever(*_grid(grid))
+            journals = None if output is None else output.with_suffix(".journals")
             if algorithm == BRUTE_FORCE:
                 if its or runs > 1:
                     raise ValueError("brute-force has no settings, and one run finds all there is")
-                result = brute_force(beam, best, progress)
+                if journals is not None:
+                    journals.mkdir(parents=True, exist_ok=True)
+                journal = None if journals is None else journals / "brute-force.npz"
+                result = brute_force(beam, best, progress, journal, resume)
             else:
                 result = search_runs(
                     beam,
@@ -103,7 +107,7 @@ def cantilever(
                     runs=runs,
                     seed=seed,
                     workers=workers,
-                    journals=None if output is None else output.with_suffix(".journals"),
+                    journals=journals,
                     resume=resume,
                     progress=lambda k, n, value: progress(
                         k / runs, f"{k} of {runs} runs done: {n:,} simulations, best {value:.6g} mm"

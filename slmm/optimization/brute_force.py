@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -16,10 +19,16 @@ from slmm.optimization.exhaustive import Block, all_designs, count_valid, design
 SAME = 1e-8
 #: values below this are zero as far as that goes, mm
 SMALLEST = 1e-9
+#: what is known is written so often, s
+INTERVAL = 30.0
 
 
 def brute_force(
-    beam: Cantilever, best: int = 200_000, progress: Callable[[float, str], None] | None = None
+    beam: Cantilever,
+    best: int = 200_000,
+    progress: Callable[[float, str], None] | None = None,
+    journal: str | Path | None = None,
+    resume: bool = False,
 ) -> xr.Dataset:
     """The best of all valid designs, in order.
 
@@ -30,6 +39,10 @@ def brute_force(
         How many of them; all if there are less.
     progress : callable, optional
         Is told the share that is done, and a word.
+    journal : str or Path, optional
+        An npz file for what is known, written again and again. For hours of work.
+    resume : bool
+        Go on where the journal ends, if there is one; the result is that of an undisturbed run.
 
     Returns
     -------
@@ -40,7 +53,7 @@ def brute_force(
     Raises
     ------
     ValueError
-        See `slmm.optimization.exhaustive.all_designs`; and when best is less than 1.
+        See `slmm.optimization.exhaustive.all_designs`; when best is less than 1; and for the journal of something else.
 
     Examples
     --------
@@ -50,26 +63,26 @@ def brute_force(
     """
     if best < 1:
         raise ValueError(f"best = {best}: must be 1 at least")
+    if resume and journal is None:
+        raise ValueError("resume: needs a journal")
     total = count_valid(beam)
-    values, codes = [np.empty(0)], [np.empty(0, dtype=np.int64)]
-    waiting, done, limit = 0, 0, np.inf
-    for block in all_designs(beam):
-        done += block.value.size
-        row, column = np.nonzero(block.value <= limit)
-        values.append(block.value[row, column])
-        codes.append(block.left[row] | block.right[column])
-        waiting += len(row)
-        if waiting > 4 * best:
-            values, codes = _least(values, codes, best)
-            waiting, limit = 0, values[0].max()
+    state = _State(f"{beam!r}, best {best}, {__version__}")
+    if resume and Path(journal).exists():  # type: ignore[arg-type]
+        state = _State.read(Path(journal), state.run)  # type: ignore[arg-type]
+    written = time.monotonic()
+    for block in all_designs(beam, state.blocks):
+        state.add(block, best)
         if progress is not None:
-            progress(done / total, f"{done:,} of {total:,} designs")
-    (value,), (code,) = _least(values, codes, best)
+            progress(state.designs / total, f"{state.designs:,} of {total:,} designs")
+        if journal is not None and time.monotonic() - written > INTERVAL:
+            state.write(Path(journal))
+            written = time.monotonic()
+    value, code = state.least(best)
     order = np.lexsort([code, value])
     value, code = value[order], code[order]
     return xr.Dataset(
         {
-            "n_valid": ((), done, {"units": "1", "long_name": "number of valid designs"}),
+            "n_valid": ((), state.designs, {"units": "1", "long_name": "number of valid designs"}),
             "best_design": (
                 ("row", "column"),
                 design_of(beam, code[0]),
@@ -125,12 +138,76 @@ def _places(limits: np.ndarray, block: Block) -> np.ndarray:
     return np.bincount(np.searchsorted(limits, block.value.ravel(), side="right"), minlength=len(limits) + 1)
 
 
-def _least(
-    values: list[np.ndarray], codes: list[np.ndarray], best: int
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """The least values and their codes."""
-    value, code = np.concatenate(values), np.concatenate(codes)
-    if len(value) > best:
-        least = np.argpartition(value, best - 1)[:best]
-        value, code = value[least], code[least]
-    return [value], [code]
+class _State:
+    """What is known after some blocks.
+
+    Parameters
+    ----------
+    run : str
+        What it is of.
+    """
+
+    def __init__(self, run: str) -> None:
+        self.run = run
+        self.blocks = self.designs = 0
+        self.limit = np.inf
+        self.values, self.codes = [np.empty(0)], [np.empty(0, dtype=np.int64)]
+
+    def add(self, block: Block, best: int) -> None:
+        """Take in a block."""
+        row, column = np.nonzero(block.value <= self.limit)
+        self.values.append(block.value[row, column])
+        self.codes.append(block.left[row] | block.right[column])
+        self.blocks, self.designs = self.blocks + 1, self.designs + block.value.size
+        if sum(len(part) for part in self.values) > 5 * best:
+            self.keep(best)
+            self.limit = self.values[0].max()
+
+    def keep(self, best: int) -> None:
+        """The least values alone, in any order."""
+        value, code = np.concatenate(self.values), np.concatenate(self.codes)
+        if len(value) > best:
+            least = np.argpartition(value, best - 1)[:best]
+            value, code = value[least], code[least]
+        self.values, self.codes = [value], [code]
+
+    def least(self, best: int) -> tuple[np.ndarray, np.ndarray]:
+        """The least values and their codes."""
+        self.keep(best)
+        return self.values[0], self.codes[0]
+
+    def write(self, path: Path) -> None:
+        """Replace the journal by this, at once."""
+        unfinished = path.with_name(f".{path.name}.{os.getpid()}.partial")
+        with open(unfinished, "wb") as file:
+            np.savez(
+                file,
+                run=self.run,
+                blocks=self.blocks,
+                designs=self.designs,
+                limit=self.limit,
+                values=np.concatenate(self.values),
+                codes=np.concatenate(self.codes),
+            )
+        os.replace(unfinished, path)
+
+    @classmethod
+    def read(cls, path: Path, run: str) -> _State:
+        """The journal of this run.
+
+        Raises
+        ------
+        ValueError
+            When it is of another one, or no journal.
+        """
+        try:
+            with np.load(path) as known:
+                state = cls(str(known["run"]))
+                state.blocks, state.designs = int(known["blocks"]), int(known["designs"])
+                state.limit = float(known["limit"])
+                state.values, state.codes = [known["values"]], [known["codes"]]
+        except (KeyError, ValueError, OSError) as error:
+            raise ValueError(f"{path}: is no journal of brute-force ({error})") from error
+        if state.run != run:
+            raise ValueError(f"{path}: is the journal of {state.run}; this is {run}")
+        return state

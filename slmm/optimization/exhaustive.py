@@ -44,8 +44,14 @@ class Block:
         return self.left[:, None] | self.right
 
 
-def all_designs(beam: Cantilever) -> Iterator[Block]:
+def all_designs(beam: Cantilever, first: int = 0) -> Iterator[Block]:
     """The endpoint displacement of every valid design, block by block.
+
+    Parameters
+    ----------
+    beam : Cantilever
+    first : int
+        So many blocks are left out, which costs next to nothing.
 
     Raises
     ------
@@ -58,9 +64,18 @@ def all_designs(beam: Cantilever) -> Iterator[Block]:
     50
     """
     left, right, fit = _halves(beam)
-    for first, of_left in _by_pattern(left).items():
-        for second, of_right in _by_pattern(right).items():
-            yield from _blocks(beam.rows, (left, first, of_left), (right, second, of_right), fit)
+    done = 0
+    for pattern, of_left in _by_pattern(left).items():
+        for other, of_right in _by_pattern(right).items():
+            pairs = [
+                (these, those)
+                for i, these in _runs(left.profile[of_left])
+                for j, those in _runs(right.profile[of_right])
+                if fit[i, j]
+            ]
+            if (wanted := pairs[max(first - done, 0) :]) != []:
+                yield from _blocks(beam.rows, (left, pattern, of_left), (right, other, of_right), wanted)
+            done += len(pairs)
 
 
 def count_valid(beam: Cantilever) -> int:
@@ -118,8 +133,8 @@ def _by_pattern(halves: Halves) -> dict[int, np.ndarray]:
     return dict(zip(patterns.tolist(), np.split(order, start[1:]), strict=True))
 
 
-def _blocks(rows: int, left_group, right_group, fit: np.ndarray) -> Iterator[Block]:
-    """All pairs of the halves of two patterns."""
+def _blocks(rows: int, left_group, right_group, pairs: list[tuple[slice, slice]]) -> Iterator[Block]:
+    """Halves of two patterns, those of one profile with those of one."""
     (left, first, of_left), (right, second, of_right) = left_group, right_group
     touched_left, touched_right = _touched(rows, first), _touched(rows, second)
     both = touched_left & touched_right
@@ -130,18 +145,11 @@ def _blocks(rows: int, left_group, right_group, fit: np.ndarray) -> Iterator[Blo
         right.K, right.V, right.value, of_right, np.flatnonzero(touched_right & ~both), np.flatnonzero(both)
     )
     B, others = np.ascontiguousarray(B.T), np.ascontiguousarray(others.transpose(2, 1, 0))
-    for i, these in _runs(left.profile[of_left]):
-        for j, those in _runs(right.profile[of_right]):
-            if fit[i, j]:
-                found = _paired(
-                    A[these],
-                    loads[these, :, 0],
-                    B[:, those],
-                    others[0][:, those],
-                    others[1][:, those],
-                    value[those],
-                )
-                yield Block(left.code[of_left[these]], right.code[of_right[those]], found)
+    for these, those in pairs:
+        found = _paired(
+            A[these], loads[these, :, 0], B[:, those], others[0][:, those], others[1][:, those], value[those]
+        )
+        yield Block(left.code[of_left[these]], right.code[of_right[those]], found)
 
 
 def _touched(rows: int, pattern: int) -> np.ndarray:

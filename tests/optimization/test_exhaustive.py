@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -68,6 +69,29 @@ def test_the_best_are_in_order_and_ranks_are_places_in_it(grid):
     asked = everything.endpoint_displacement.values[[5, 0, -1, 17]]
     better = [(everything.endpoint_displacement.values < v - 1e-8 * abs(v)).sum() for v in asked]
     assert ranks(beam, asked).tolist() == [1 + count for count in better]
+
+
+def test_a_killed_brute_force_ends_with_the_same_result(tmp_path, monkeypatch):
+    beam, journal = Cantilever(5, 4), tmp_path / "journal.npz"
+    undisturbed = brute_force(beam, best=30)
+    monkeypatch.setattr("slmm.optimization.brute_force.INTERVAL", -1.0)
+
+    def kill(share, word):
+        if share > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        brute_force(beam, 30, kill, journal)
+    shares = []
+    resumed = brute_force(beam, 30, lambda share, word: shares.append(share), journal, resume=True)
+    xr.testing.assert_identical(resumed, undisturbed)
+    # what was known is not found again
+    assert shares[0] > 0.3 and shares[-1] == 1.0
+    with pytest.raises(ValueError, match="is the journal of Cantilever"):
+        brute_force(beam, 31, None, journal, resume=True)
+    journal.write_text("no journal")
+    with pytest.raises(ValueError, match="is no journal"):
+        brute_force(beam, 30, None, journal, resume=True)
 
 
 @settings(max_examples=10, deadline=None)
