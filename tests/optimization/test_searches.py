@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 from slmm.optimization import Cantilever, search
 from slmm.optimization.annealing import accepts
+from slmm.optimization.ask import Flipped
 from slmm.optimization.breadth_first import flips_within
 from slmm.optimization.brute_force import brute_force
 from slmm.optimization.free_shape import outer_edge
@@ -69,6 +70,27 @@ class Plain:
         if name in ("neighbours", "beam") or name.startswith("__"):
             raise AttributeError(name)
         return getattr(self.beam, name)
+
+
+class Rough(Plain):
+    """A cantilever with a model of neighbours that is off by as much as it says, or knows nothing."""
+
+    error = 2e-3
+
+    def neighbours(self, centre):
+        self.centre = centre
+        return self
+
+    def approximate(self, flips):
+        rng = np.random.default_rng(flips.sum())
+        values = self.beam.evaluate(Flipped(self.centre, flips)[:]) + self.error * rng.uniform(
+            -1, 1, len(flips)
+        )
+        return np.where(rng.random(len(flips)) < 0.1, np.nan, values)
+
+    def evaluate(self, designs):
+        # flips come two-dimensional
+        return self.approximate(designs) if designs.ndim == 2 else self.beam.evaluate(designs)
 
 
 def same(a, b):
@@ -191,6 +213,28 @@ def test_quick_neighbours_lead_to_what_direct_values_confirm():
     assert quick.value == pytest.approx(plain.value, rel=1e-9)
     np.testing.assert_array_equal(quick.best_design, plain.best_design)
     assert quick.simulations == plain.simulations
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rough_model_that_knows_its_error_changes_nothing(seed):
+    assert same(search(Rough(BEAM), "tbfsl", seed=seed), search(Plain(BEAM), "tbfsl", seed=seed))
+
+
+def test_what_a_model_says_is_worse_is_not_evaluated():
+    def direct_evaluations(error):
+        evaluated = []
+
+        class Counting(Rough):
+            def evaluate(self, designs):
+                if designs.ndim == 3:
+                    evaluated.append(len(designs))
+                return super().evaluate(designs)
+
+        Counting.error = error
+        search(Counting(BEAM), "tbfsl", seed=0)
+        return sum(evaluated)
+
+    assert direct_evaluations(1e-9) < direct_evaluations(1e-3) < direct_evaluations(1.0)
 
 
 def test_simulations_can_be_limited():
