@@ -14,6 +14,7 @@ from slmm.optimization.breadth_first import bfsl, tbfsl
 from slmm.optimization.free_shape import fs
 from slmm.optimization.genetic import ga
 from slmm.optimization.sampling import bf, rs
+from slmm.optimization.tabu import tabu
 
 #: called with a problem, a start (or None), a random generator, and its settings by name
 Algorithm = Callable[..., Asking]
@@ -25,6 +26,7 @@ ON_ONE_GRID: Mapping[str, Algorithm] = {
     "ga": ga,
     "rs": rs,
     "sa": sa,
+    "tabu": tabu,
     "tbfsl": tbfsl,
 }
 

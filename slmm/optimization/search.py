@@ -1,4 +1,4 @@
-"""A search for the best design of a problem, by any of the algorithms of Paper C."""
+"""A search for the best design of a problem, by any of the algorithms of Paper C, or by tabu search."""
 
 from __future__ import annotations
 
@@ -147,7 +147,8 @@ def search(
     algorithm : str
         ``tbfsl`` (settings ``depth``, ``radius``), ``bfsl`` (``depth``), ``fs``, ``ga`` (``population``,
         ``recombinations``, ``mutation``, ``patience``), ``sa`` (``temperature``, ``cooling``, ``iterations``), ``rs``
-        (``limit``), ``bf``, or ``mg`` (``stages``), see Paper C.
+        (``limit``), ``bf``, or ``mg`` (``stages``), see Paper C; or ``tabu`` (``steps``, ``tenure``, ``focus``,
+        ``focused_tenure``, ``patience``).
     seed : int
         Of all random numbers.
     start : array_like of bool (rows, columns), optional
