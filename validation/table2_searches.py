@@ -4,7 +4,9 @@ The relative cost is the number of simulations over that which random sampling n
 (Eq. 7 and 9); ranks are exact, from all valid designs. Required: medians within the paper's quartiles, for the value,
 the number of simulations, and the relative cost. Ranks that the paper gives as 202 come out as 203. GA is selected by
 exp(-u/0.01 mm): with 1 mm (Eq. 4 as printed) hardly anything is selected, and the paper's results do not come out.
-SA finds better designs here than in the paper, with the same number of simulations: told, not required.
+SA finds better designs here than in the paper, with the same number of simulations: told, not required. What the paper
+shows is what comes out when a refused design is kept all the same, as line 4 of A.4 is printed (d := modify(d)): a walk
+that no temperature holds, little better than random sampling. That is checked with a walk of this script.
 Writes validation/results/table2_searches.csv and .png, ten minutes on two cores; ``--quick`` takes 30 runs of the quick
 ones, and no ranks.
 """
@@ -19,9 +21,11 @@ import numpy as np
 from checks import RESULTS, Check, run, save, show
 from scipy.stats import gaussian_kde
 
+from slmm.optimization.annealing import random_neighbour
 from slmm.optimization.brute_force import ranks
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.exhaustive import count_valid
+from slmm.optimization.problem import random_design
 from slmm.optimization.search import search
 
 matplotlib.use("Agg")
@@ -29,13 +33,20 @@ import matplotlib.pyplot as plt
 
 BEAM = Cantilever(8, 5)
 RUNS = 100
+SA_QUARTILES = [
+    (0.00589, 0.00621, 0.00641),
+    (267, 622, 1182),
+    (50001, 50001, 50001),
+    (22.48, 52.265, 99.345),
+]
 #: algorithm, settings, and the paper's quartiles of value, rank, simulations and relative cost in %
 PUBLISHED = {
     "SA(0.1, 0.999, 50000)": (
         "sa",
         {},
-        [(0.00589, 0.00621, 0.00641), (267, 622, 1182), (50001, 50001, 50001), (22.48, 52.265, 99.345)],
+        SA_QUARTILES,
     ),
+    "SA, refused designs kept": ("walk", {"steps": 50_000}, SA_QUARTILES),
     "BFSL(4)": (
         "bfsl",
         {"depth": 4},
@@ -72,8 +83,21 @@ PUBLISHED = {
 def one_run(task: tuple[str, dict, int]) -> tuple[float, int]:
     """Value and number of simulations."""
     algorithm, settings, seed = task
+    if algorithm == "walk":
+        return walk(seed, **settings)
     found = search(BEAM, algorithm, seed=seed, **settings)
     return found.value, found.simulations
+
+
+def walk(seed: int, steps: int) -> tuple[float, int]:
+    """The best value on a random walk through valid designs, and the number of simulations."""
+    rng = np.random.default_rng(seed)
+    designs = [random_design(BEAM, rng)]
+    free = np.argwhere(~BEAM.fixed)
+    for _ in range(steps):
+        following = random_neighbour(BEAM, designs[-1], free, rng)
+        designs.append(designs[-1] if following is None else following)
+    return float(BEAM.endpoint_displacement(np.array(designs)).min()), len(designs)
 
 
 def relative_cost(simulations: np.ndarray, rank: np.ndarray, total: int) -> np.ndarray:
@@ -117,7 +141,7 @@ def main(quick: bool = False) -> list[Check]:
             slack = 5.1e-6 if quantity == "u, mm" else 0.0
             inside = published[0] - slack <= middle <= published[2] + slack
             text = f"{quantity}: median in the paper's quartiles {published[0]:g} to {published[2]:g}"
-            told = quick or quantity == "rank" or name.startswith("SA")
+            told = quick or quantity == "rank" or name.startswith("SA(")
             checks.append(Check(name, text, published[1], middle, np.inf if inside else 0.0,
                                 "told" if told else "equal", "Paper C"))  # fmt: skip
             rows.append({"algorithm": name, "quantity": quantity, "low": low, "median": middle, "high": high,
