@@ -35,6 +35,11 @@ def test_python():
     assert not report, "".join(report)
 
 
+@pytest.mark.parametrize("text", [block for block in blocks("python") if ">>>" not in block])
+def test_python_without_output(text):
+    exec(compile(text, "README.md", "exec"), {})
+
+
 def test_commands():
     commands = [shlex.split(line, comments=True) for block in blocks("sh") for line in block.splitlines()]
     # the database of one's own takes a minute to make
