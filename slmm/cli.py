@@ -25,9 +25,9 @@ from slmm.terminal import (
     progress_bar,
     refusals,
     say_error,
-    whole_file,
     word_on_compilation,
 )
+from slmm.whole_file import whole_file
 
 if TYPE_CHECKING:
     import numpy as np

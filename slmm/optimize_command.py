@@ -16,9 +16,9 @@ from slmm.terminal import (
     console,
     progress_bar,
     refusals,
-    whole_file,
     word_on_compilation,
 )
+from slmm.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,8 +96,6 @@ def cantilever(
             if algorithm == BRUTE_FORCE:
                 if its or runs > 1:
                     raise ValueError("brute-force has no settings, and one run finds all there is")
-                if journals is not None:
-                    journals.mkdir(parents=True, exist_ok=True)
                 journal = None if journals is None else journals / "brute-force.npz"
                 result = brute_force(beam, best, progress, journal, resume)
             else:

@@ -69,17 +69,6 @@ def check_no_input(inputs: list[Path | str | None], targets: dict[str, Path | No
 
 
 @contextlib.contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """A name to write to; the file takes its place only when it is complete."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        yield unfinished
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
 def progress_bar() -> Iterator[Callable[[float, str], None]]:
     """A progress bar on stderr, on a terminal only."""
     stream = errors()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import time
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from slmm import __version__
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.exhaustive import Block, all_designs, count_valid, design_of
+from slmm.whole_file import whole_file
 
 #: values closer than this share of the larger one are those of the same design, computed in another way
 SAME = 1e-8
@@ -53,7 +54,8 @@ def brute_force(
     Raises
     ------
     ValueError
-        See `slmm.optimization.exhaustive.all_designs`; when best is less than 1; and for the journal of something else.
+        See `slmm.optimization.exhaustive.all_designs`; when best is less than 1; and for a journal that is of
+        something else, or there already and not to be resumed.
 
     Examples
     --------
@@ -63,21 +65,25 @@ def brute_force(
     """
     if best < 1:
         raise ValueError(f"best = {best}: must be 1 at least")
-    if resume and journal is None:
+    path = None if journal is None else Path(journal)
+    if resume and path is None:
         raise ValueError("resume: needs a journal")
     total = count_valid(beam)
     state = _State(f"{beam!r}, best {best}, {__version__}")
-    if resume and Path(journal).exists():  # type: ignore[arg-type]
-        state = _State.read(Path(journal), state.run)  # type: ignore[arg-type]
+    if path is not None and path.exists():
+        if not resume:
+            raise ValueError(f"{path}: is there already; resume it, or remove it")
+        state = _State.read(path, state.run)
     written = time.monotonic()
     for block in all_designs(beam, state.blocks):
         state.add(block, best)
         if progress is not None:
             progress(state.designs / total, f"{state.designs:,} of {total:,} designs")
-        if journal is not None and time.monotonic() - written > INTERVAL:
-            state.write(Path(journal))
+        if path is not None and time.monotonic() - written > INTERVAL:
+            state.write(path)
             written = time.monotonic()
-    value, code = state.least(best)
+    state.keep(best)
+    (value,), (code,) = state.values, state.codes
     order = np.lexsort([code, value])
     value, code = value[order], code[order]
     return xr.Dataset(
@@ -171,15 +177,10 @@ class _State:
             value, code = value[least], code[least]
         self.values, self.codes = [value], [code]
 
-    def least(self, best: int) -> tuple[np.ndarray, np.ndarray]:
-        """The least values and their codes."""
-        self.keep(best)
-        return self.values[0], self.codes[0]
-
     def write(self, path: Path) -> None:
         """Replace the journal by this, at once."""
-        unfinished = path.with_name(f".{path.name}.{os.getpid()}.partial")
-        with open(unfinished, "wb") as file:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as unfinished, open(unfinished, "wb") as file:
             np.savez(
                 file,
                 run=self.run,
@@ -189,7 +190,6 @@ class _State:
                 values=np.concatenate(self.values),
                 codes=np.concatenate(self.codes),
             )
-        os.replace(unfinished, path)
 
     @classmethod
     def read(cls, path: Path, run: str) -> _State:
@@ -206,7 +206,7 @@ class _State:
                 state.blocks, state.designs = int(known["blocks"]), int(known["designs"])
                 state.limit = float(known["limit"])
                 state.values, state.codes = [known["values"]], [known["codes"]]
-        except (KeyError, ValueError, OSError) as error:
+        except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise ValueError(f"{path}: is no journal of brute-force ({error})") from error
         if state.run != run:
             raise ValueError(f"{path}: is the journal of {state.run}; this is {run}")

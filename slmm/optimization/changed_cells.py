@@ -10,6 +10,9 @@ from numba import njit, prange
 
 from slmm.optimization.column_kernels import eliminate
 
+#: where the nodes of a cell stand in the grid of nodes, from its upper left one
+_NODES = np.array([(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)])
+
 
 def strains(K: np.ndarray) -> np.ndarray:
     """L (m, n) with L' L = K (n, n) and no more rows than its rank.
@@ -35,7 +38,7 @@ def touching(centre: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, error_model="numpy")
-def of_cells(strains, displacements, places, on_left):
+def strains_of_cells(strains, displacements, places, on_left):
     """Strains, and work of the weight, of every cell by both displacements (rows, columns, 13, 2)."""
     columns, rows = len(displacements), len(places)
     result = np.zeros((rows, columns, len(strains), 2))
@@ -51,7 +54,7 @@ def of_cells(strains, displacements, places, on_left):
 
 
 @njit(parallel=True, cache=True, error_model="numpy", fastmath={"contract"})
-def of_pairs(strains, near, reach, places, on_left):
+def strains_of_pairs(strains, near, reach, places, on_left):
     """Strains, and work of the weight, of every cell by unit stresses, and by the weight, of those left of it.
 
     (reach + 1, 2 reach + 1, rows, columns, 13, 13): of the cell at (row, column) by that at (row - j, column - i) where
@@ -94,7 +97,7 @@ def of_pairs(strains, near, reach, places, on_left):
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
-def changes(flips, centre, touching, pairs, own, strains, least):
+def sag_changes(flips, centre, touching, pairs, own, strains, least):
     """What neighbours sag more than the centre (n,)."""
     result = np.empty(len(flips))
     for q in prange(len(flips)):
@@ -157,10 +160,6 @@ def _change(flips, centre, touching, pairs, own, strains, least):
         if abs(A[s, s]) < least:
             return np.nan
     return change
-
-
-#: where the nodes of a cell stand in the grid of nodes, from its upper left one
-_NODES = np.array([(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)])
 
 
 @njit(cache=True, error_model="numpy")

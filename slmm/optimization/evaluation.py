@@ -105,6 +105,8 @@ class Evaluation:
             yield Part(values, designs, valid)
             done += len(designs)
             most -= valid.sum()
+        if ask.below > -np.inf:
+            self.early = False
 
     def size(self, ask: Ask, done: int, by_model: bool) -> int:
         """How many designs to look at next when so many are done."""

@@ -73,7 +73,7 @@ def all_designs(beam: Cantilever, first: int = 0) -> Iterator[Block]:
                 for j, those in _runs(right.profile[of_right])
                 if fit[i, j]
             ]
-            if (wanted := pairs[max(first - done, 0) :]) != []:
+            if wanted := pairs[max(first - done, 0) :]:
                 yield from _blocks(beam.rows, (left, pattern, of_left), (right, other, of_right), wanted)
             done += len(pairs)
 

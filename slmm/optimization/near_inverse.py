@@ -65,7 +65,7 @@ class NearInverse:
         self._back = np.empty((columns, m, line))
         self.displacements = np.empty((columns, m, 2))
         self.near = np.empty((1, columns, m, m))
-        places = in_order(beam.rows)
+        places = _in_order(beam.rows)
         K, V = np.empty((line + m, line + m)), np.empty((line + m, 2))
         rest, load_rest = np.zeros((line, line)), np.zeros((line, 2))
         load_rest[1, 1] = 1.0  # the corner's vertical displacement
@@ -115,7 +115,7 @@ def _blas() -> threadpoolctl.ThreadpoolController:
     return threadpoolctl.ThreadpoolController().select(user_api="blas")
 
 
-def in_order(rows: int) -> np.ndarray:
+def _in_order(rows: int) -> np.ndarray:
     """Places (rows, 16) of cells' unknowns among the line on the left, the middles, and the line on the right."""
     line, middles = 2 * (2 * rows + 1), 2 * (rows + 1)
     between, right, left = np.split(np.arange(2 * line + middles), [middles, middles + line])
@@ -127,6 +127,6 @@ def in_order(rows: int) -> np.ndarray:
 def places(rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Places (rows, 16) of cells' unknowns among those of a column, and whether it is the one on the left (16,)."""
     line, middles = 2 * (2 * rows + 1), 2 * (rows + 1)
-    place = in_order(rows)
+    place = _in_order(rows)
     left = place < line
     return np.where(left, place + middles, place - line), left[0]

@@ -25,7 +25,13 @@ from functools import lru_cache
 import numpy as np
 
 from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.changed_cells import changes, of_cells, of_pairs, strains, touching
+from slmm.optimization.changed_cells import (
+    sag_changes,
+    strains,
+    strains_of_cells,
+    strains_of_pairs,
+    touching,
+)
 from slmm.optimization.near_inverse import NearInverse, places
 
 #: neighbours whose cells span more columns and rows than this, added up and less two, are solved directly
@@ -34,7 +40,7 @@ WIDEST = 8
 #: in those of a cell: with less, digits are lost
 LEAST = 3e-8
 #: error of displacements over the largest one, in units of round-off times the largest flexibility in those of a cell;
-#: three times the largest that was seen (validation/neighbourhood.py)
+#: three times the largest seen in trials
 ROUND_OFF = 2000.0
 
 
@@ -74,7 +80,7 @@ class NeighbourhoodModel:
         self._flexibility = self._inverse.near[0].diagonal(axis1=1, axis2=2).max() * beam.cell[0].max()
         largest = np.abs(self._inverse.displacements[:, :, 0]).max()
         self.error = float(ROUND_OFF * np.finfo(float).eps * self._flexibility * largest)
-        self._own = of_cells(self._strains, self._inverse.displacements, *places(beam.rows))
+        self._own = strains_of_cells(self._strains, self._inverse.displacements, *places(beam.rows))
         self._touching = touching(self.centre)
         #: products of strains of pairs of cells that are not farther apart than the reach
         self._reach, self._pairs = -1, np.empty(0)
@@ -91,7 +97,7 @@ class NeighbourhoodModel:
         result = np.full(len(flips), np.nan)
         if near.any():
             self._extend(int(reach[near].max()))
-            result[near] = self.sag + changes(
+            result[near] = self.sag + sag_changes(
                 flips[near],
                 self.centre,
                 self._touching,
@@ -114,7 +120,7 @@ class NeighbourhoodModel:
         """Know all pairs of cells in this reach."""
         if reach > self._reach:
             self._inverse.extend(reach + 1)
-            self._pairs = of_pairs(self._strains, self._inverse.near, reach, *places(self.beam.rows))
+            self._pairs = strains_of_pairs(self._strains, self._inverse.near, reach, *places(self.beam.rows))
             self._reach = reach
 
 

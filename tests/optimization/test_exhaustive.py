@@ -87,11 +87,14 @@ def test_a_killed_brute_force_ends_with_the_same_result(tmp_path, monkeypatch):
     xr.testing.assert_identical(resumed, undisturbed)
     # what was known is not found again
     assert shares[0] > 0.3 and shares[-1] == 1.0
+    with pytest.raises(ValueError, match="is there already"):
+        brute_force(beam, 30, None, journal)
     with pytest.raises(ValueError, match="is the journal of Cantilever"):
         brute_force(beam, 31, None, journal, resume=True)
-    journal.write_text("no journal")
-    with pytest.raises(ValueError, match="is no journal"):
-        brute_force(beam, 30, None, journal, resume=True)
+    for content in (b"no journal", b"", journal.read_bytes()[:200]):
+        journal.write_bytes(content)
+        with pytest.raises(ValueError, match="is no journal"):
+            brute_force(beam, 30, None, journal, resume=True)
 
 
 @settings(max_examples=10, deadline=None)
