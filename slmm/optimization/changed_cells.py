@@ -114,7 +114,7 @@ def _change(flips, centre, touching, pairs, own, strains, least):
     cells, count, added = np.empty((len(flips), 2), dtype=np.int64), 0, 0
     for there in (False, True):
         for cell in flips:
-            if cell >= 0 and centre[cell // columns, cell % columns] == there:
+            if centre[cell // columns, cell % columns] == there:
                 cells[count, 0], cells[count, 1] = cell // columns, cell % columns
                 count += 1
         if not there:

@@ -24,6 +24,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from slmm.optimization.ask import Flipped
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.changed_cells import (
     sag_changes,
@@ -88,8 +89,8 @@ class NeighbourhoodModel:
     def evaluate(self, flips: np.ndarray) -> np.ndarray:
         """Sag (n,) of the valid designs in which these cells (n, k) of the centre are flipped, mm.
 
-        Cells are counted row after row, ``row * columns + column``; -1 is none. Cells far apart are solved directly,
-        and those which have held some of the rest nearly alone.
+        Cells are counted row after row, ``row * columns + column``. Cells far apart are solved directly, and those
+        which have held some of the rest nearly alone.
         """
         flips = np.atleast_2d(np.asarray(flips, dtype=np.int64))
         reach = _reach(flips, self.beam.columns)
@@ -107,14 +108,8 @@ class NeighbourhoodModel:
                 LEAST * self._flexibility,
             )
         if (left := np.isnan(result)).any():
-            result[left] = self.beam.endpoint_displacement(self._designs(flips[left]))
+            result[left] = self.beam.endpoint_displacement(Flipped(self.centre, flips[left])[:])
         return result
-
-    def _designs(self, flips: np.ndarray) -> np.ndarray:
-        designs = np.repeat(self.centre.reshape(1, -1), len(flips), axis=0)
-        row, k = np.nonzero(flips >= 0)
-        designs[row, flips[row, k]] ^= True
-        return designs.reshape(-1, *self.centre.shape)
 
     def _extend(self, reach: int) -> None:
         """Know all pairs of cells in this reach."""
@@ -132,11 +127,4 @@ def model_around(beam: Cantilever, design: bytes) -> NeighbourhoodModel:
 
 def _reach(flips: np.ndarray, columns: int) -> np.ndarray:
     """How many columns and rows the cells (n, k) are apart, added up (n,)."""
-    there = flips >= 0
-    row, column = np.divmod(flips, columns)
-    total = np.zeros(len(flips), dtype=np.int64)
-    for place in (row, column):
-        high = np.where(there, place, -1).max(axis=1)
-        low = np.where(there, place, np.iinfo(np.int64).max).min(axis=1)
-        total += np.where(high < 0, 0, high - low)
-    return total
+    return sum(np.ptp(place, axis=1) for place in np.divmod(flips, columns))
