@@ -45,8 +45,8 @@ def one_run(task: tuple[str, int]) -> tuple[dict[str, Any], list[dict[str, Any]]
     curve: list[dict[str, Any]] = []
 
     def tell(simulations: int, value: float) -> None:
-        # an improvement by less than a thousandth does not show
-        if not curve or abs(value - curve[-1]["value"]) > 1e-3 * abs(value):
+        # an improvement by less than a hundredth does not show
+        if not curve or abs(value - curve[-1]["value"]) > 1e-2 * abs(value):
             seconds = time.perf_counter() - start
             curve.append({"algorithm": name, "seed": seed, "simulations": simulations, "seconds": round(seconds, 2),
                           "value": value})  # fmt: skip
