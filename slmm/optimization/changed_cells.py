@@ -98,16 +98,19 @@ def strains_of_pairs(strains, near, reach, places, on_left):
 
 @njit(parallel=True, cache=True, error_model="numpy")
 def sag_changes(flips, centre, touching, pairs, own, strains, least):
-    """What neighbours sag more than the centre (n,)."""
-    result = np.empty(len(flips))
+    """What neighbours sag more than the centre (n,), and what round-off in the pairs is multiplied by (n,).
+
+    Where less than the least is left of a flexibility of removed cells, digits are lost: NaN.
+    """
+    change, gain = np.empty(len(flips)), np.empty(len(flips))
     for q in prange(len(flips)):
-        result[q] = _change(flips[q], centre, touching, pairs, own, strains, least)
-    return result
+        change[q], gain[q] = _change(flips[q], centre, touching, pairs, own, strains, least)
+    return change, gain
 
 
 @njit(cache=True, error_model="numpy")
 def _change(flips, centre, touching, pairs, own, strains, least):
-    """What one neighbour sags more than the centre."""
+    """What one neighbour sags more than the centre, and the product of the two stresses there."""
     columns = centre.shape[1]
     reach, n = len(pairs) - 1, len(strains) - 1
     # added cells first, then removed ones
@@ -157,9 +160,24 @@ def _change(flips, centre, touching, pairs, own, strains, least):
     _leave_open(A, first_removed, cells[:count], added, touching, strains)
     change -= eliminate(A, b, size)
     for s in range(first_removed, size):
-        if abs(A[s, s]) < least:
-            return np.nan
-    return change
+        if A[s, s] > -least:
+            return np.nan, np.nan
+    _substitute_back(A, b)
+    b[first_new:first_removed] = 0.0
+    return change, np.sqrt((b[:, 0] ** 2).sum() * (b[:, 1] ** 2).sum())
+
+
+@njit(cache=True, error_model="numpy")
+def _substitute_back(A, V):
+    """What V (n, 2) solves for, in place, after the elimination of all unknowns; zero for those without material."""
+    for i in range(len(A) - 1, -1, -1):
+        for k in range(2):
+            if A[i, i] != 0.0:
+                for j in range(i + 1, len(A)):
+                    V[i, k] -= A[i, j] * V[j, k]
+                V[i, k] /= A[i, i]
+            else:
+                V[i, k] = 0.0
 
 
 @njit(cache=True, error_model="numpy")

@@ -131,7 +131,8 @@ class Evaluation:
         """Values of the candidates among valid designs, up to the first below the limit; infinity for the others."""
         values = np.full(len(designs), np.inf)
         # a design without an approximate value is a candidate, too
-        candidates = np.flatnonzero(~(model.evaluate(flips) > ask.below + model.error))
+        approximate, errors = model.evaluate(flips)
+        candidates = np.flatnonzero(~(approximate - errors > ask.below))
         for first in range(0, len(candidates), self.workers):
             these = candidates[first : first + self.workers]
             values[these] = self.values(ask.problem, designs[these])

@@ -16,6 +16,10 @@ lose all their material leave stresses of removed cells open which do not matter
 
 Strains, not displacements, because most of a displacement is that of everything to its left, which strains nothing.
 H is made once for a design, and only near its diagonal (near_inverse).
+
+An error dH changes the sag by s' dH s_t, where s are the stresses of these cells under the weight and s_t those under
+the unit force. So round-off is multiplied by |s| |s_t|: by much where a removed cell has held some of the rest nearly
+alone, since the strains it would have now are large.
 """
 
 from __future__ import annotations
@@ -24,7 +28,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from slmm.optimization.ask import Flipped
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.changed_cells import (
     sag_changes,
@@ -35,14 +38,13 @@ from slmm.optimization.changed_cells import (
 )
 from slmm.optimization.near_inverse import NearInverse, places
 
-#: neighbours whose cells span more columns and rows than this, added up and less two, are solved directly
+#: of neighbours whose cells span more columns and rows than this, added up and less two, nothing is known
 WIDEST = 8
-#: share of the stiffness against a strain of a removed cell that must be left without it, over the largest flexibility
-#: in those of a cell: with less, digits are lost
-LEAST = 3e-8
-#: error of displacements over the largest one, in units of round-off times the largest flexibility in those of a cell;
-#: three times the largest seen in trials
-ROUND_OFF = 2000.0
+#: error of products of strains, and of displacements over the largest one, in units of round-off times the largest
+#: flexibility in strains of a cell; three times the largest seen in trials
+ROUND_OFF = 300.0
+#: so much of the largest flexibility must be left in strains of a removed cell, in the same units
+LEAST = 30 * ROUND_OFF
 
 
 class NeighbourhoodModel:
@@ -58,8 +60,6 @@ class NeighbourhoodModel:
     ----------
     sag : float
         Of the centre, mm.
-    error : float
-        An estimate of round-off in the sag of neighbours that are no more flexible than the centre, mm.
 
     Examples
     --------
@@ -67,7 +67,8 @@ class NeighbourhoodModel:
     >>> model = NeighbourhoodModel(beam, np.ones((5, 8), dtype=bool))
     >>> flipped = np.ones((5, 8), dtype=bool)
     >>> flipped[2, 3] = flipped[2, 4] = False
-    >>> float(abs(model.evaluate(np.array([[19, 20]]))[0] - beam.endpoint_displacement([flipped])[0])) < 1e-12
+    >>> (value,), (error,) = model.evaluate(np.array([[19, 20]]))
+    >>> bool(abs(value - beam.endpoint_displacement([flipped])[0]) < error < 1e-9)
     True
     """
 
@@ -77,39 +78,40 @@ class NeighbourhoodModel:
         self._strains = np.vstack([strains(beam.cell[0]), beam.cell[1]])
         self._inverse = NearInverse(beam, self.centre)
         self.sag = float(self._inverse.displacements[-1, self._inverse.corner, 0])
-        #: the largest one in those of a cell
-        self._flexibility = self._inverse.near[0].diagonal(axis1=1, axis2=2).max() * beam.cell[0].max()
-        largest = np.abs(self._inverse.displacements[:, :, 0]).max()
-        self.error = float(ROUND_OFF * np.finfo(float).eps * self._flexibility * largest)
+        #: round-off of the inverse in strains of a cell
+        self._round_off = float(
+            np.finfo(float).eps * self._inverse.near[0].diagonal(axis1=1, axis2=2).max() * beam.cell[0].max()
+        )
+        self._largest = float(np.abs(self._inverse.displacements[:, :, 0]).max())
         self._own = strains_of_cells(self._strains, self._inverse.displacements, *places(beam.rows))
         self._touching = touching(self.centre)
         #: products of strains of pairs of cells that are not farther apart than the reach
         self._reach, self._pairs = -1, np.empty(0)
 
-    def evaluate(self, flips: np.ndarray) -> np.ndarray:
-        """Sag (n,) of the valid designs in which these cells (n, k) of the centre are flipped, mm.
+    def evaluate(self, flips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Sag (n,) of the valid designs in which these cells (n, k) of the centre are flipped, and its error (n,), mm.
 
-        Cells are counted row after row, ``row * columns + column``. Cells far apart are solved directly, and those
-        which have held some of the rest nearly alone.
+        Cells are counted row after row, ``row * columns + column``. NaN where cells are far apart, and where removed
+        ones have held some of the rest so nearly alone that nothing is known.
         """
         flips = np.atleast_2d(np.asarray(flips, dtype=np.int64))
         reach = _reach(flips, self.beam.columns)
         near = reach <= WIDEST
-        result = np.full(len(flips), np.nan)
+        value, error = np.full(len(flips), np.nan), np.full(len(flips), np.nan)
         if near.any():
             self._extend(int(reach[near].max()))
-            result[near] = self.sag + sag_changes(
+            change, gain = sag_changes(
                 flips[near],
                 self.centre,
                 self._touching,
                 self._pairs,
                 self._own,
                 self._strains,
-                LEAST * self._flexibility,
+                LEAST * self._round_off,
             )
-        if (left := np.isnan(result)).any():
-            result[left] = self.beam.endpoint_displacement(Flipped(self.centre, flips[left])[:])
-        return result
+            value[near] = self.sag + change
+            error[near] = ROUND_OFF * self._round_off * (self._largest + gain)
+        return value, error
 
     def _extend(self, reach: int) -> None:
         """Know all pairs of cells in this reach."""

@@ -71,24 +71,13 @@ class Problem(Protocol):
 
 
 class Neighbours(Protocol):
-    """A quick model of the designs around one.
+    """A quick model of the designs around one."""
 
-    Parameters
-    ----------
-    error : float
-        So much may values be too high that are not above the centre's: what seems worse by more is not evaluated.
-    """
+    def evaluate(self, flips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Approximate values (n,) of designs in which these cells (n, k) of the centre are flipped, and errors (n,).
 
-    @property
-    def error(self) -> float:
-        """So much may values be too high that are not above the centre's."""
-        ...
-
-    def evaluate(self, flips: np.ndarray) -> np.ndarray:
-        """Approximate values (n,) of the designs in which these cells (n, k) of the centre are flipped.
-
-        Cells are counted row after row: ``row * columns + column``. All of these designs are valid. Where there is no
-        approximation: NaN.
+        Cells are counted row after row: ``row * columns + column``. All of these designs are valid. Where a value less
+        its error is not below what is looked for, the design is not evaluated. NaN where there is no approximation.
         """
         ...
 

@@ -81,16 +81,14 @@ class Rough(Plain):
         self.centre = centre
         return self
 
-    def approximate(self, flips):
-        rng = np.random.default_rng(flips.sum())
-        values = self.beam.evaluate(Flipped(self.centre, flips)[:]) + self.error * rng.uniform(
-            -1, 1, len(flips)
-        )
-        return np.where(rng.random(len(flips)) < 0.1, np.nan, values)
-
-    def evaluate(self, designs):
+    def evaluate(self, asked):
         # flips come two-dimensional
-        return self.approximate(designs) if designs.ndim == 2 else self.beam.evaluate(designs)
+        if asked.ndim == 3:
+            return self.beam.evaluate(asked)
+        rng = np.random.default_rng(asked.sum())
+        error = self.error * rng.uniform(0, 2, len(asked))
+        values = self.beam.evaluate(Flipped(self.centre, asked)[:]) + error * rng.uniform(-1, 1, len(asked))
+        return np.where(rng.random(len(asked)) < 0.1, np.nan, values), error
 
 
 def same(a, b):
