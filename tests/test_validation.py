@@ -285,7 +285,7 @@ def test_several_grids_and_killed_searches_end_as_they_should():
     checks = script("tables3_4_multi_grid").main(quick=True)
     assert of(checks, quantity="final values against direct solves")[0].ours < 1e-6
     assert of(checks, "two grids", "median")[0].ours < 0.02
-    assert of(script("killed_searches").main(quick=True), quantity="differ")[0].ours == 0.0
+    assert all(check.holds for check in script("killed_searches").main(quick=True))
 
 
 @pytest.mark.slow

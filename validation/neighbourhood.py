@@ -1,10 +1,10 @@
 """Neighbours of designs on the 48 x 16 cantilever by a few unknowns, against a sparse solve for each, in the same run.
 
 The whole neighbourhood of TBFSL(4, 2), some 6000 valid designs, of random designs, of two that a search comes by, and
-of two made to be floppy: a coil that hangs on one cell, and a maze, in which single cells hold much. Required: 200 times
-as fast as a fresh sparse solve, the model's making included; no neighbour off by more than 1e-4, and none by more than
-the model says, since a search takes its word for what is worse. Told: how many a search would evaluate in vain since
-the model cannot say that they are worse; and all of it in a maze on 16 x 48, where sparse solves are quicker.
+of two made to be floppy: a coil that hangs on one cell, and a maze, in which single cells hold much. Required: 200
+times as fast as a fresh sparse solve, the model's making included; no neighbour off by more than 1e-4, and none by more
+than the model says, since a search takes its word for what is worse. Told: how many a search would evaluate in vain
+since the model cannot say that they are worse; and all of it in a maze on 16 x 48.
 Writes validation/results/neighbourhood.csv, three minutes; ``--quick`` takes one design of each kind on 16 x 8.
 """
 

@@ -1,12 +1,6 @@
 """The searches: what they find, that they find it again, and that a kill costs nothing."""
 
-import os
-import random
-import signal
 import sqlite3
-import subprocess
-import sys
-import time
 from contextlib import closing
 from itertools import combinations
 from typing import ClassVar
@@ -276,51 +270,6 @@ def test_a_journal_is_a_memory_of_values_and_only_of_its_own_run(tmp_path):
     with pytest.raises(ValueError, match="journal"):
         search(BEAM, "tbfsl", seed=1, journal=other, resume=True)
     assert other.read_bytes() == before
-
-
-KILLED = """
-import sys, time
-from slmm.optimization import Cantilever, search
-class Slow:
-    def __init__(self, beam):
-        self.beam = beam
-    def evaluate(self, designs):
-        time.sleep(0.0005 * len(designs))
-        return self.beam.evaluate(designs)
-    def __repr__(self):
-        return "Slow"
-    def __getattr__(self, name):
-        if name in ("neighbours", "beam") or name.startswith("__"):
-            raise AttributeError(name)
-        return getattr(self.beam, name)
-r = search(Slow(Cantilever(6, 4)), "tbfsl", depth=3, radius=2, seed=8, journal=sys.argv[1], resume=True)
-print(r.value.hex(), r.simulations, r.best_design.astype(int).ravel().tolist(), r.history.value.tolist())
-"""
-
-
-@pytest.mark.slow
-def test_a_search_killed_again_and_again_ends_as_an_undisturbed_one(tmp_path):
-    def started(path):
-        return subprocess.Popen(
-            [sys.executable, "-c", KILLED, str(path)],
-            stdout=subprocess.PIPE,
-            text=True,
-            env={**os.environ, "NUMBA_NUM_THREADS": "1"},
-        )
-
-    undisturbed, _ = started(tmp_path / "calm.sqlite").communicate(timeout=120)
-    dice = random.Random(1)
-    path = tmp_path / "killed.sqlite"
-    for _ in range(4):
-        process = started(path)
-        deadline = time.monotonic() + 60
-        while not path.exists() and time.monotonic() < deadline:
-            time.sleep(0.01)
-        time.sleep(dice.uniform(0.02, 0.4))
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-    resumed, _ = started(path).communicate(timeout=120)
-    assert resumed == undisturbed != ""
 
 
 @pytest.mark.parametrize(
