@@ -6,6 +6,8 @@ import json
 import re
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,6 +18,7 @@ from slmm.terminal import (
     console,
     progress_bar,
     refusals,
+    say_error,
     word_on_compilation,
 )
 from slmm.whole_file import whole_file
@@ -58,8 +61,9 @@ def cantilever(
         int, typer.Option(min=1, help="Processes, for runs side by side or, with one, for designs.")
     ] = 1,
     best: Annotated[
-        int, typer.Option(min=1, help="How many of the best designs brute-force keeps.")
-    ] = 200_000,
+        int | None,
+        typer.Option(min=1, help="How many of the best designs brute-force keeps, 200,000 by default."),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Write everything as netCDF.")
     ] = None,
@@ -87,31 +91,42 @@ def cantilever(
         its = _settings(depth, radius, settings or [])
         with progress_bar() as progress, word_on_compilation():
             from slmm.optimization import Cantilever
-            from slmm.optimization.brute_force import brute_force
+            from slmm.optimization.brute_force import BEST, brute_force
             from slmm.optimization.runs import search_runs
+            from slmm.optimization.search import check_settings
             from slmm.plot_optimization import plot_optimization
 
             beam = Cantilever(*_grid(grid))
             journals = None if output is None else output.with_suffix(".journals")
-            if algorithm == BRUTE_FORCE:
-                if its or runs > 1:
-                    raise ValueError("brute-force has no settings, and one run finds all there is")
-                journal = None if journals is None else journals / "brute-force.npz"
-                result = brute_force(beam, best, progress, journal, resume)
-            else:
-                result = search_runs(
-                    beam,
-                    algorithm,
-                    runs=runs,
-                    seed=seed,
-                    workers=workers,
-                    journals=journals,
-                    resume=resume,
-                    progress=lambda k, n, value: progress(
-                        k / runs, f"{k} of {runs} runs done: {n:,} simulations, best {value:.6g} mm"
-                    ),
-                    **its,
+            if journals is not None and journals.is_file():
+                raise ValueError(
+                    f"-o {output}: its journals lie in the folder {journals}, and there is a file there"
                 )
+            with word_of_journals(journals):
+                if algorithm == BRUTE_FORCE:
+                    if its or runs > 1 or seed or workers > 1:
+                        raise ValueError(
+                            "brute-force has no settings and no seed, uses all cores, and one run finds all"
+                        )
+                    journal = None if journals is None else journals / "brute-force.npz"
+                    result = brute_force(beam, best or BEST, progress, journal, resume)
+                else:
+                    if best is not None:
+                        raise ValueError(f"--best {best}: is for brute-force alone")
+                    check_settings(algorithm, its)
+                    result = search_runs(
+                        beam,
+                        algorithm,
+                        runs=runs,
+                        seed=seed,
+                        workers=workers,
+                        journals=journals,
+                        resume=resume,
+                        progress=lambda k, n, value: progress(
+                            k / runs, f"{k} of {runs} runs done: {n:,} simulations, best {value:.6g} mm"
+                        ),
+                        **its,
+                    )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
                 with whole_file(output) as unfinished:
@@ -126,8 +141,19 @@ def cantilever(
             _print(result)
 
 
+@contextmanager
+def word_of_journals(journals: Path | None) -> Iterator[None]:
+    """Say how a search goes on that is interrupted."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if journals is not None and journals.is_dir():
+            say_error(f"stopped; with --resume it goes on with what is in {journals}")
+        raise
+
+
 def _grid(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"(\d+)x(\d+)", text)
+    match = re.fullmatch(r"([0-9]+)x([0-9]+)", text)
     if match is None:
         raise ValueError(f"--grid {text}: must be columns x rows, as 8x5")
     return int(match[1]), int(match[2])

@@ -7,7 +7,6 @@ and so on up to the depth. As soon as one is better, it is the best one, and all
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,16 +51,12 @@ def _breadth_first(
 ) -> Asking:
     check_whole("depth", depth, 1)
     free = ~problem.fixed
-
-    @cache
-    def neighbourhood(flipped: int) -> np.ndarray:
-        return flips_within(free, flipped, radius)
+    levels = min(depth, int(free.sum()))
+    neighbourhood = [flips_within(free, level + 1, radius) for level in range(levels)]
 
     def shuffled(design: np.ndarray, level: int) -> np.ndarray:
-        flips = neighbourhood(level + 1)
-        return flips[rng.permutation(len(flips))]
+        return rng.permutation(neighbourhood[level])
 
-    levels = min(depth, int(free.sum()))
     return (yield from descent(problem, start_design(problem, start, rng), shuffled, levels))
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from slmm import __version__
 from slmm.optimization.cantilever import Cantilever
+from slmm.optimization.checks import check_whole
 from slmm.optimization.exhaustive import Block, all_designs, count_valid, design_of
 from slmm.whole_file import whole_file
 
@@ -22,11 +23,13 @@ SAME = 1e-8
 SMALLEST = 1e-9
 #: what is known is written so often, s
 INTERVAL = 30.0
+#: so many of the best designs are kept
+BEST = 200_000
 
 
 def brute_force(
     beam: Cantilever,
-    best: int = 200_000,
+    best: int = BEST,
     progress: Callable[[float, str], None] | None = None,
     journal: str | Path | None = None,
     resume: bool = False,
@@ -63,8 +66,7 @@ def brute_force(
     >>> int(found.n_valid), found.sizes["rank"], found.best_design.values.astype(int).tolist()
     (50, 50, [[1, 1, 1, 1], [1, 1, 1, 0], [1, 1, 0, 0]])
     """
-    if best < 1:
-        raise ValueError(f"best = {best}: must be 1 at least")
+    check_whole("best", best, 1)
     path = None if journal is None else Path(journal)
     if resume and path is None:
         raise ValueError("resume: needs a journal")
@@ -122,13 +124,20 @@ def ranks(beam: Cantilever, values: ArrayLike) -> np.ndarray:
 
     Designs whose values differ by round-off alone share a place.
 
+    Raises
+    ------
+    ValueError
+        For a value that is not finite, and see `slmm.optimization.exhaustive.all_designs`.
+
     Examples
     --------
     >>> beam = Cantilever(4, 3)
     >>> ranks(beam, beam.endpoint_displacement(np.ones((1, 3, 4), dtype=bool))).tolist()
     [14]
     """
-    values = np.asarray(values, dtype=float)
+    values = np.atleast_1d(np.asarray(values, dtype=float))
+    if not np.isfinite(values).all():
+        raise ValueError(f"values: {values[~np.isfinite(values)][0]} has no place")
     below = values - SAME * np.maximum(np.abs(values), SMALLEST)
     order = np.argsort(below)
     count = np.zeros(len(values) + 1, dtype=np.int64)

@@ -19,6 +19,7 @@ from scipy.sparse.linalg import splu
 
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.elements import ELEMENTS
+from slmm.optimization.checks import check_whole
 from slmm.optimization.column_kernels import all_connected, connected, endpoint_displacements, held
 from slmm.optimization.problem import Neighbours
 
@@ -63,8 +64,10 @@ class Cantilever:
 
     def __post_init__(self) -> None:
         for name in ("columns", "rows"):
-            if not (isinstance(getattr(self, name), int | np.integer) and getattr(self, name) >= 1):
-                raise ValueError(f"{name} = {getattr(self, name)!r}: must be a whole number of at least 1")
+            value = getattr(self, name)
+            check_whole(name, value, 1)
+            # the repr tells a beam from others
+            object.__setattr__(self, name, int(value))
 
     def endpoint_displacement(self, designs: ArrayLike) -> np.ndarray:
         """How far the upper right corner sags (n,), mm; NaN where a design is not valid.

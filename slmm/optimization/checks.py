@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 
 
-def check_whole(name: str, value: Any, least: int) -> None:
-    """Refuse what is no whole number or less than this.
+def check_whole(name: str, value: Any, least: int, most: float = math.inf) -> None:
+    """Refuse what is no whole number or does not lie between these.
 
     Raises
     ------
     ValueError
     """
-    if not (isinstance(value, int | np.integer) and value >= least):
-        raise ValueError(f"{name} = {value!r}: must be a whole number of at least {least}")
+    if isinstance(value, bool) or not (isinstance(value, int | np.integer) and least <= value <= most):
+        wanted = f"from {least} to {most}" if most < math.inf else f"of at least {least}"
+        raise ValueError(f"{name} = {value!r}: must be a whole number {wanted}")
 
 
 def check_between(name: str, value: Any, least: float, most: float = math.inf) -> None:

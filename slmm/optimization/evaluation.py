@@ -9,6 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import pickle
+import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -17,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from itertools import islice
+from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, NamedTuple
 
 import numba
@@ -165,17 +167,32 @@ def keys(designs: np.ndarray) -> list[bytes]:
 def evaluating(workers: int = 1, client: Client | None = None) -> Iterator[tuple[Evaluate, int]]:
     """How values are computed, and how many at the same time: by a Dask client's workers, by processes, or here."""
     if client is not None:
+        from distributed.protocol.pickle import dumps  # of problems that are defined in a script, too
+
         at_once = sum(client.nthreads().values())
-        yield partial(_elsewhere, client.get_executor(pure=False), at_once, Pace()), at_once
+        yield partial(_elsewhere, client.get_executor(pure=False), at_once, dumps, Pace()), at_once
     elif workers > 1:
-        # forked processes would share locks of threads that they do not have
-        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=settle)
-        try:
-            yield partial(_elsewhere, pool, workers, Pace()), workers
-        finally:
-            pool.shutdown(cancel_futures=True)
+        with processes(workers) as pool:
+            yield partial(_elsewhere, pool, workers, pickle.dumps, Pace()), workers
     else:
         yield partial(_here, Pace()), 1
+
+
+@contextmanager
+def processes(number: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes of one thread each. They end at once when this one is killed or leaves with an exception."""
+    # forked processes would share locks of threads that they do not have
+    spawning = multiprocessing.get_context("spawn")
+    theirs, ours = spawning.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(number, spawning, initializer=settle, initargs=(theirs,))
+    try:
+        yield pool
+    except BaseException:
+        ours.close()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+        ours.close()
 
 
 @dataclass
@@ -200,11 +217,16 @@ def _here(pace: Pace, problem: Problem, designs: np.ndarray) -> Iterator[np.ndar
 
 
 def _elsewhere(
-    executor: Executor, workers: int, pace: Pace, problem: Problem, designs: np.ndarray
+    executor: Executor,
+    workers: int,
+    dumps: Callable[[Problem], bytes],
+    pace: Pace,
+    problem: Problem,
+    designs: np.ndarray,
 ) -> Iterator[np.ndarray]:
     size = max(1, min(int(pace.designs), len(designs) // (PIECES * workers)))
     pieces = [designs[first : first + size] for first in range(0, len(designs), size)]
-    for values, seconds in executor.map(partial(_evaluated, pickle.dumps(problem)), pieces):
+    for values, seconds in executor.map(partial(_evaluated, dumps(problem)), pieces):
         pace.learn(len(values), seconds)
         yield values
 
@@ -216,8 +238,14 @@ def _evaluated(pickled: bytes, designs: np.ndarray) -> tuple[np.ndarray, float]:
 def _timed(problem: Problem, designs: np.ndarray) -> tuple[np.ndarray, float]:
     """Values (n,), and how many seconds they took."""
     begin = time.perf_counter()
-    values = problem.evaluate(designs)
-    return values, time.perf_counter() - begin
+    values = np.asarray(problem.evaluate(designs))
+    seconds = time.perf_counter() - begin
+    if values.shape != (len(designs),) or values.dtype.kind not in "fiu":
+        raise ValueError(
+            f"{problem!r}: evaluate must return {len(designs)} real numbers for as many designs, "
+            f"and returned {values.dtype} of shape {values.shape}"
+        )
+    return np.where(np.isfinite(values), values, np.nan), seconds
 
 
 @lru_cache(maxsize=1)
@@ -226,14 +254,15 @@ def _unpickled(problem: bytes) -> Problem:
     return pickle.loads(problem)
 
 
-def settle() -> None:
-    """Make a process one of many: one thread, and an end when its parent is killed."""
+def settle(parent: Connection) -> None:
+    """Make a process one of many: one thread, an end when its parent's end of a pipe is closed, and none before."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     numba.set_num_threads(1)
     threadpoolctl.threadpool_limits(1)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 
-def _end_with_parent() -> None:
-    if (parent := multiprocessing.parent_process()) is not None:
-        parent.join()
-        os._exit(1)
+def _end_with(parent: Connection) -> None:
+    # nothing is ever sent: it is closed, or its process is gone
+    parent.poll(None)
+    os._exit(1)

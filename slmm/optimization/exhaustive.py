@@ -56,7 +56,7 @@ def all_designs(beam: Cantilever, first: int = 0) -> Iterator[Block]:
     Raises
     ------
     ValueError
-        For grids of one column, or whose designs have more than 62 bits.
+        For grids of one column, or whose designs have more than 62 bits, or whose halves take too much memory.
 
     Examples
     --------
@@ -100,7 +100,7 @@ def _halves(beam: Cantilever) -> tuple[Halves, Halves, np.ndarray]:
         )
     columns = (beam.columns + 1) // 2
     left, right = left_halves(beam, columns), right_halves(beam, beam.columns - columns)
-    return left, right, np.array([[fits(a, b) for b in right.profiles] for a in left.profiles])
+    return left, right, fits(left.profiles, right.profiles)
 
 
 def design_of(beam: Cantilever, code: np.ndarray) -> np.ndarray:
@@ -117,13 +117,6 @@ def design_of(beam: Cantilever, code: np.ndarray) -> np.ndarray:
     there = (code[..., None] >> bit & 1).astype(bool)
     result[..., 1:, 1:] = there.reshape(*code.shape, beam.columns - 1, beam.rows - 1).swapaxes(-1, -2)
     return result
-
-
-def code_of(designs: np.ndarray) -> np.ndarray:
-    """Codes (...) of designs (..., rows, columns)."""
-    free = np.asarray(designs, dtype=bool)[..., 1:, 1:].swapaxes(-1, -2)
-    free = free.reshape(*free.shape[:-2], -1)
-    return (free.astype(np.int64) << np.arange(free.shape[-1])).sum(axis=-1)
 
 
 def _by_pattern(halves: Halves) -> dict[int, np.ndarray]:

@@ -72,8 +72,10 @@ def _check(population: int, recombinations: int, mutation: float, patience: int,
         )
     check_between("mutation", mutation, 0, 1)
     check_whole("patience", patience, 0)
-    if scale is not None and not scale > 0:
-        raise ValueError(f"scale = {scale!r}: must be positive")
+    if scale is not None:
+        check_between("scale", scale, 0)
+        if scale == 0:
+            raise ValueError("scale = 0: must be positive")
 
 
 def first_generation(
@@ -116,6 +118,8 @@ def recombined(problem: Problem, designs: np.ndarray, pairs: int, rng: np.random
     """Designs (n, rows, columns) of which so many pairs have exchanged a random rectangle of cells."""
     result = designs.copy()
     free = np.argwhere(~problem.fixed)
+    if not len(free):
+        return result
     low, high = free.min(axis=0), free.max(axis=0) + 1
     for one, other in rng.permutation(len(designs))[: 2 * pairs].reshape(-1, 2):
         (top, left), (bottom, right) = np.sort(rng.integers(low, high, (2, 2)), axis=0)

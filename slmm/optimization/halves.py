@@ -21,6 +21,8 @@ from slmm.optimization.column_kernels import add_column, column_places, eliminat
 #: of a column's cells from the top: no cell, a cell that is held, and from 2 on the number of a part that is not
 EMPTY, HELD = 0, 1
 Profile = tuple[int, ...]
+#: bytes that halves of one side may take
+MOST = 8_000_000_000
 
 
 @dataclass(frozen=True)
@@ -79,26 +81,50 @@ def right_halves(beam: Cantilever, columns: int) -> Halves:
     return halves
 
 
-def fits(left: Profile, right: Profile) -> bool:
-    """Whether every part of two halves is held once they meet.
+def fits(left: list[Profile], right: list[Profile]) -> np.ndarray:
+    """Whether every part of two halves is held once they meet (left, right).
 
     Examples
     --------
     A lower cell of the right half that nothing holds hangs on a held one of the left half, or on nothing:
 
-    >>> fits((HELD, HELD), (HELD, 2)), fits((HELD, EMPTY), (HELD, 2))
-    (True, False)
+    >>> fits([(HELD, HELD), (HELD, EMPTY)], [(HELD, 2)]).tolist()
+    [[True], [False]]
     """
-    parts = _Parts()
-    for row, (a, b) in enumerate(zip(left, right, strict=True)):
-        for side, part in (("left", a), ("right", b)):
-            if part == HELD:
-                parts.join((side, row), HELD)
-            elif part != EMPTY:
-                parts.join((side, row), (side, "part", part))
-        if a != EMPTY and b != EMPTY:
-            parts.join(("left", row), ("right", row))
-    return parts.all_with(HELD)
+    return _all_fit(np.array(left), np.array(right))
+
+
+@njit(parallel=True, cache=True)
+def _all_fit(left, right):
+    result = np.empty((len(left), len(right)), dtype=np.bool_)
+    for i in prange(len(left)):
+        for j in range(len(right)):
+            result[i, j] = _fit(left[i], right[j])
+    return result
+
+
+@njit(cache=True)
+def _fit(left, right):
+    # parts of the right half are counted behind those of the left one; what is held is the same
+    rows = len(left)
+    parent = np.arange(2 * rows + 2)
+    shift = rows
+    for row in range(rows):
+        if left[row] != EMPTY and right[row] != EMPTY:
+            a, b = left[row], HELD if right[row] == HELD else right[row] + shift
+            while parent[a] != a:
+                a = parent[a]
+            while parent[b] != b:
+                b = parent[b]
+            # what is held has the least number
+            parent[max(a, b)] = min(a, b)
+    for row in range(rows):
+        for part in (left[row], right[row] + shift if right[row] > HELD else right[row]):
+            while parent[part] != part:
+                part = parent[part]
+            if part > HELD:
+                return False
+    return True
 
 
 class _Parts:
@@ -115,9 +141,6 @@ class _Parts:
 
     def join(self, x, y) -> None:
         self.parent[self.find(x)] = self.find(y)
-
-    def all_with(self, x) -> bool:
-        return all(self.find(y) == self.find(x) for y in list(self.parent))
 
 
 def _continued(profile: Profile, pattern: int) -> Profile | None:
@@ -141,6 +164,19 @@ def _continued(profile: Profile, pattern: int) -> Profile | None:
     return tuple(result)
 
 
+def check_memory(size: int) -> None:
+    """Refuse so many bytes when they are too many.
+
+    Raises
+    ------
+    ValueError
+    """
+    if size > MOST:
+        raise ValueError(
+            f"all designs: halves of this grid take {size / 1e9:.0f} GB; no more than {MOST / 1e9:.0f} are used"
+        )
+
+
 def _grown(halves: Halves, K: np.ndarray, V: np.ndarray, shift: int) -> Halves:
     """Halves with one more column, of each pattern that loses no part; its bits stand at ``shift``."""
     patterns = len(K)
@@ -151,6 +187,7 @@ def _grown(halves: Halves, K: np.ndarray, V: np.ndarray, shift: int) -> Halves:
             if (after := _continued(profile, j)) is not None:
                 follows[i, j] = profiles.setdefault(after, len(profiles))
     parent, pattern = np.nonzero(follows[halves.profile] >= 0)
+    check_memory(len(parent) * (halves.K[0].nbytes + halves.V[0].nbytes))
     K_new, V_new, value = _condensed(halves.K, halves.V, halves.value, K, V, parent, pattern)
     return Halves(
         halves.code[parent] | pattern << shift,
@@ -172,6 +209,7 @@ def _columns(beam: Cantilever, towards_right: bool) -> tuple[np.ndarray, np.ndar
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     places = place[column_places(beam.rows)]
+    check_memory(2 ** (beam.rows - 1) * 8 * (2 * line) ** 2)
     K, V = [], []
     for pattern in range(2 ** (beam.rows - 1)):
         cells = np.array([True, *(pattern >> k & 1 for k in range(beam.rows - 1))], dtype=bool)

@@ -46,31 +46,40 @@ def mg(
     stages : sequence of (int, int, str, mapping)
         Columns, rows, algorithm and its settings; the last grid is the problem's.
     """
+    if not isinstance(stages, Sequence):
+        raise ValueError(f"stages = {stages!r}: must be a sequence")
+    algorithms = [checked(problem, stage) for stage in stages]
     if not stages or (stages[-1][1], stages[-1][0]) != problem.shape:
         rows, columns = problem.shape
         raise ValueError(f"stages: the last one must have the problem's {columns} columns and {rows} rows")
-    design = None if start is None else np.asarray(start, dtype=bool)
-    for algorithm, (columns, rows, _, settings) in zip(
-        [checked(stage) for stage in stages], stages, strict=True
-    ):
+    design = None if start is None else np.asarray(start)
+    if design is not None and not (design.ndim == 2 and design.size and np.isin(design, (0, 1)).all()):
+        raise ValueError(
+            f"start: must be one design of cells that are 0 or 1, and has the shape {design.shape}"
+        )
+    for algorithm, (columns, rows, _, settings) in zip(algorithms, stages, strict=True):
         there = problem.resized(columns, rows)
-        begin = None if design is None else transferred(design, there)
+        begin = None if design is None else transferred(design.astype(bool), there)
         design, stopped = yield from followed(algorithm(there, begin, rng, **settings))
     return f"last grid: {stopped}"
 
 
-def checked(stage: Stage) -> Algorithm:
-    """The algorithm of a stage, whose settings it has.
+def checked(problem: Problem, stage: Stage) -> Algorithm:
+    """The algorithm of a stage, which takes its settings.
 
     Raises
     ------
     ValueError
-        When there is no such algorithm, or it lacks a setting.
+        When the stage is none, there is no such algorithm, or it does not take these settings.
     """
+    if not (isinstance(stage, Sequence) and len(stage) == 4 and isinstance(stage[3], Mapping)):
+        raise ValueError(f"stages: {stage!r} must be columns, rows, an algorithm and its settings by name")
     columns, rows, name, settings = stage
     try:
         algorithm = chosen(ON_ONE_GRID, name)
         completed(algorithm, settings)
+        # an algorithm looks at its settings before it asks
+        next(algorithm(problem.resized(columns, rows), None, np.random.default_rng(0), **settings))
     except ValueError as error:
         raise ValueError(f"stage {columns} x {rows}: {name}: {error}") from None
     return algorithm

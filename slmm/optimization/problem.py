@@ -57,7 +57,8 @@ class Problem(Protocol):
     def evaluate(self, designs: np.ndarray) -> np.ndarray:
         """Values (n,) of designs (n, rows, columns), the less the better; NaN where invalid, or where it failed.
 
-        A value depends on its design alone, to the bit: not on those evaluated beside it.
+        What is not finite counts as failed. A value depends on its design alone, to the bit: not on those evaluated
+        beside it.
         """
         ...
 

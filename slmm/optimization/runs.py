@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from slmm.optimization.checks import check_whole
-from slmm.optimization.evaluation import settle
+from slmm.optimization.evaluation import processes
 from slmm.optimization.problem import Problem
 from slmm.optimization.search import SearchResult, search
 
@@ -120,13 +119,10 @@ def _in_turn(
 
 def _beside(one: Callable[..., SearchResult], runs: int, workers: int) -> Iterator[tuple[int, SearchResult]]:
     """Each run in a process, in the order in which they end."""
-    pool = ProcessPoolExecutor(min(runs, workers), get_context("spawn"), initializer=settle)
-    try:
+    with processes(min(runs, workers)) as pool:
         waiting = {pool.submit(one, k): k for k in range(runs)}
         for future in as_completed(waiting):
             yield waiting[future], future.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 class _Told:

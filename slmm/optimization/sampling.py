@@ -23,8 +23,7 @@ def bf(problem: Problem, start: ArrayLike | None, rng: np.random.Generator) -> A
     count = int(free.sum())
     if count > MOST:
         raise ValueError(
-            f"{count} free cells: no more than {MOST} are tried; "
-            "slmm.optimization.exhaustive knows all designs of larger cantilevers"
+            f"{count} free cells: no more than {MOST} are tried; brute-force knows all designs of larger cantilevers"
         )
     for first in range(0, 1 << count, BATCH):
         codes = np.arange(first, min(first + BATCH, 1 << count))

@@ -57,7 +57,7 @@ class SearchResult:
     Parameters
     ----------
     problem : str
-        What was searched.
+        What was searched. Of several grids it is the one that was reached.
     algorithm : str
     settings : mapping
         All settings of the algorithm.
@@ -190,7 +190,7 @@ def search(
            [1, 1, 1, 0],
            [1, 1, 0, 0]])
     """
-    check_whole("seed", seed, 0)
+    check_whole("seed", seed, 0, 2**63 - 1)
     check_whole("workers", workers, 1)
     if max_simulations is not None:
         check_whole("max_simulations", max_simulations, 1)
@@ -198,10 +198,11 @@ def search(
         raise ValueError(f"workers = {workers}: the client has its own")
     if resume and journal is None:
         raise ValueError("resume: needs a journal")
-    method = chosen(ALGORITHMS, algorithm)
+    if journal is not None and type(problem).__repr__ is object.__repr__:
+        raise ValueError(f"journal: {problem!r} needs a __repr__ of its own, which tells it from others")
+    settings = check_settings(algorithm, settings)
     try:
-        settings = completed(method, settings)
-        asking = method(problem, start, np.random.default_rng(seed), **settings)
+        asking = ALGORITHMS[algorithm](problem, start, np.random.default_rng(seed), **settings)
         # what is wrong with settings or start comes out before anything is opened
         first = next(asking)
     except ValueError as error:
@@ -226,7 +227,7 @@ def search(
     if record.best_design is None:
         raise RuntimeError(f"{algorithm}: none of {record.simulations} simulated designs has a value")
     return SearchResult(
-        repr(problem),
+        repr(record.problem),
         algorithm,
         settings,
         seed,
@@ -238,6 +239,20 @@ def search(
         stopped,
         problem.objective,
     )
+
+
+def check_settings(algorithm: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """All settings of an algorithm: the given ones, and its own for the others.
+
+    Raises
+    ------
+    ValueError
+        When there is no such algorithm, or it has no setting of a name, or needs one that is not given.
+    """
+    try:
+        return completed(chosen(ALGORITHMS, algorithm), settings)
+    except ValueError as error:
+        raise ValueError(f"{algorithm}: {error}") from error
 
 
 def _run(asking: Asking, ask: Ask, evaluation: Evaluation, record: _Record) -> str:
