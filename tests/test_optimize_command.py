@@ -1,6 +1,10 @@
 """`slmm optimize cantilever`: files, tables, pictures, resuming, refusals."""
 
 import json
+import signal
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -70,7 +74,11 @@ def test_a_finished_search_is_resumed_to_the_same_file(tmp_path):
         (["--algorithm", "newton"], "--algorithm newton: must be one of tbfsl, bfsl"),
         (["--set", "temperature"], "--set temperature: must be NAME=VALUE"),
         (["--set", "speed=3"], "speed: is no setting; must be one of depth, radius"),
+        (["--set", "seed=3"], "seed: is no setting; must be one of depth, radius"),
+        (["--set", "runs=3"], "runs: is no setting"),
+        (["--best", 5], "--best 5: is for brute-force alone"),
         (["--resume"], "--resume: needs -o"),
+        (["--algorithm", "brute-force", "--seed", 3], "no settings and no seed"),
         (["--algorithm", "brute-force", "--depth", 2], "brute-force has no settings"),
         (["--algorithm", "brute-force", "--grid", "48x16"], "62 free cells at most"),
         (["-o", "out.csv"], "the name must end with .nc"),
@@ -80,6 +88,35 @@ def test_bad_input_is_refused_by_name(arguments, words):
     result = run(*arguments)
     assert result.exit_code == 2
     assert words in " ".join(result.stderr.split())
+
+
+def test_a_file_where_journals_should_lie_is_named(tmp_path):
+    (tmp_path / "out.journals").write_text("mine")
+    result = run("--grid", "5x4", "-o", tmp_path / "out.nc")
+    assert result.exit_code == 2
+    assert "there is a file there" in " ".join(result.stderr.split())
+    assert (tmp_path / "out.journals").read_text() == "mine"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("runs", [1, 6])
+def test_an_interrupt_ends_all_processes_and_says_how_to_go_on(tmp_path, runs):
+    # such searches take minutes
+    arguments = "--grid", "30x14", "--runs", str(runs), "--workers", "2", "-o", tmp_path / "out.nc"
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from slmm.cli import app; app()", "optimize", "cantilever", *arguments],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    journals = tmp_path / "out.journals"
+    deadline = time.monotonic() + 100
+    while not list(journals.glob("*.sqlite")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    # processes that go on would hold the pipe
+    _, told = process.communicate(timeout=20)
+    assert process.returncode != 0
+    assert "with --resume it goes on" in " ".join(told.split())
 
 
 def test_pictures_show_the_best_run_and_single_results():

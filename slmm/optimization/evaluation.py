@@ -1,7 +1,7 @@
 """Values of the designs an algorithm asks for: computed in this process, in others, or on a Dask cluster.
 
 A value that is known is not computed again. Where a problem has a quick model of a design's neighbours, that finds the
-candidates, and a direct evaluation confirms them.
+candidates among them, which is not remembered, and a direct evaluation confirms these.
 """
 
 from __future__ import annotations

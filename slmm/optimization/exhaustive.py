@@ -16,10 +16,12 @@ from numba import njit, prange
 
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.column_kernels import eliminate
-from slmm.optimization.halves import Halves, fits, left_halves, right_halves
+from slmm.optimization.halves import EMPTY, HELD, Halves, counted, fits, left_halves, right_halves
 
 #: right halves that are worked on side by side
 LANES = 128
+#: bytes that the stiffness of all left halves, or all right ones, may take
+MOST = 8e9
 
 
 @dataclass(frozen=True)
@@ -86,9 +88,8 @@ def count_valid(beam: Cantilever) -> int:
     >>> count_valid(Cantilever(8, 5))  # Paper C
     59554032
     """
-    left, right, fit = _halves(beam)
-    lefts, rights = (np.bincount(half.profile, minlength=len(half.profiles)) for half in (left, right))
-    return int(lefts @ fit @ rights)
+    ends = counted((HELD,) * beam.rows, beam.columns - 1)
+    return sum(number for profile, number in ends.items() if max(profile) == HELD)
 
 
 def _halves(beam: Cantilever) -> tuple[Halves, Halves, np.ndarray]:
@@ -99,8 +100,19 @@ def _halves(beam: Cantilever) -> tuple[Halves, Halves, np.ndarray]:
             f"grid {beam.columns} x {beam.rows}: needs two columns at least and 62 free cells at most"
         )
     columns = (beam.columns + 1) // 2
+    check_memory(beam, 4 * 2 ** (beam.rows - 1))  # single columns
+    for first, more in ((HELD, columns - 1), (EMPTY, beam.columns - columns)):
+        check_memory(beam, sum(counted((first,) * beam.rows, more).values()))
     left, right = left_halves(beam, columns), right_halves(beam, beam.columns - columns)
     return left, right, fits(left.profiles, right.profiles)
+
+
+def check_memory(beam: Cantilever, number: int) -> None:
+    """Refuse so many halves if they take too much memory."""
+    if (size := number * 8 * (4 * beam.rows + 2) ** 2) > MOST:
+        raise ValueError(
+            f"grid {beam.columns} x {beam.rows}: its halves take {size / 1e9:.0f} GB, more than {MOST / 1e9:g}"
+        )
 
 
 def design_of(beam: Cantilever, code: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ freely.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -21,8 +22,6 @@ from slmm.optimization.column_kernels import add_column, column_places, eliminat
 #: of a column's cells from the top: no cell, a cell that is held, and from 2 on the number of a part that is not
 EMPTY, HELD = 0, 1
 Profile = tuple[int, ...]
-#: bytes that halves of one side may take
-MOST = 8_000_000_000
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,26 @@ class Halves:
     K: np.ndarray
     V: np.ndarray
     value: np.ndarray
+
+
+def counted(first: Profile, columns: int) -> dict[Profile, int]:
+    """How many ways there are from a profile to each of those that come after so many more columns.
+
+    Examples
+    --------
+    The second cell of the next column may be there or not:
+
+    >>> counted((HELD, HELD), 1)
+    {(1, 0): 1, (1, 1): 1}
+    """
+    numbers = {first: 1}
+    for _ in range(columns):
+        grown: dict[Profile, int] = {}
+        for profile, number in numbers.items():
+            for after in _followers(profile):
+                grown[after] = grown.get(after, 0) + number
+        numbers = grown
+    return numbers
 
 
 def left_halves(beam: Cantilever, columns: int) -> Halves:
@@ -143,6 +162,13 @@ class _Parts:
         self.parent[self.find(x)] = self.find(y)
 
 
+@lru_cache(maxsize=1 << 16)
+def _followers(profile: Profile) -> list[Profile]:
+    """Profiles of all next columns in which no part is lost."""
+    each = (_continued(profile, pattern) for pattern in range(2 ** (len(profile) - 1)))
+    return [after for after in each if after is not None]
+
+
 def _continued(profile: Profile, pattern: int) -> Profile | None:
     """The profile of the next column; None when a part is lost."""
     cells = [True, *(bool(pattern >> k & 1) for k in range(len(profile) - 1))]
@@ -164,19 +190,6 @@ def _continued(profile: Profile, pattern: int) -> Profile | None:
     return tuple(result)
 
 
-def check_memory(size: int) -> None:
-    """Refuse so many bytes when they are too many.
-
-    Raises
-    ------
-    ValueError
-    """
-    if size > MOST:
-        raise ValueError(
-            f"all designs: halves of this grid take {size / 1e9:.0f} GB; no more than {MOST / 1e9:.0f} are used"
-        )
-
-
 def _grown(halves: Halves, K: np.ndarray, V: np.ndarray, shift: int) -> Halves:
     """Halves with one more column, of each pattern that loses no part; its bits stand at ``shift``."""
     patterns = len(K)
@@ -187,7 +200,6 @@ def _grown(halves: Halves, K: np.ndarray, V: np.ndarray, shift: int) -> Halves:
             if (after := _continued(profile, j)) is not None:
                 follows[i, j] = profiles.setdefault(after, len(profiles))
     parent, pattern = np.nonzero(follows[halves.profile] >= 0)
-    check_memory(len(parent) * (halves.K[0].nbytes + halves.V[0].nbytes))
     K_new, V_new, value = _condensed(halves.K, halves.V, halves.value, K, V, parent, pattern)
     return Halves(
         halves.code[parent] | pattern << shift,
@@ -209,7 +221,6 @@ def _columns(beam: Cantilever, towards_right: bool) -> tuple[np.ndarray, np.ndar
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     places = place[column_places(beam.rows)]
-    check_memory(2 ** (beam.rows - 1) * 8 * (2 * line) ** 2)
     K, V = [], []
     for pattern in range(2 ** (beam.rows - 1)):
         cells = np.array([True, *(pattern >> k & 1 for k in range(beam.rows - 1))], dtype=bool)

@@ -1,7 +1,7 @@
-"""A journal of a search: every value found, in an SQLite file that outlives a kill at any moment.
+"""A journal of a search: every value that was computed, in an SQLite file that outlives a kill at any moment.
 
 A search that is resumed runs again from its beginning with these values as its memory, and so ends as it would have
-ended undisturbed.
+ended undisturbed. What a quick model of neighbours has judged is not in it, and is judged again.
 
 The file has the tables ``run`` (what the run is, as JSON), ``session`` (each time it was started or resumed) and
 ``evaluation``: a design, by `slmm.optimization.evaluation.keys`, its value, NULL where the evaluation failed, and the

@@ -45,6 +45,9 @@ def test_all_valid_designs_are_there_once_with_the_value_of_a_direct_solve(grid)
 def test_the_published_number_of_valid_designs_and_that_of_larger_grids():
     assert count_valid(Cantilever(8, 5)) == 59_554_032
     assert count_valid(Cantilever(9, 5)) == 776_083_856
+    assert count_valid(Cantilever(10, 5)) == 10_117_046_648
+    # nothing tells the held edge from the top row
+    assert count_valid(Cantilever(5, 8)) == 59_554_032
 
 
 @given(st.integers(0, 2**28 - 1))
@@ -116,10 +119,17 @@ def test_progress_runs_to_the_end_and_nonsense_is_refused():
     assert told[-1] == (1.0, "50 of 50 designs")
     with pytest.raises(ValueError, match="best = 0"):
         brute_force(Cantilever(4, 3), best=0)
-    with pytest.raises(ValueError, match="62 free cells at most"):
-        count_valid(Cantilever(20, 16))
-    with pytest.raises(ValueError, match="two columns at least"):
-        count_valid(Cantilever(1, 3))
+    for grid, words in (
+        ((20, 16), "62 free cells at most"),
+        ((1, 3), "two columns at least"),
+        ((9, 7), r"halves take \d+ GB"),
+        ((2, 20), r"halves take \d+ GB"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            next(all_designs(Cantilever(*grid)))
+    with pytest.raises(ValueError, match="nan has no place"):
+        ranks(Cantilever(4, 3), [0.01, np.nan])
+    assert ranks(Cantilever(4, 3), 0.0071696).tolist() == [1]
 
 
 def test_rows_and_parts_that_only_the_other_half_holds_are_found():

@@ -234,6 +234,68 @@ def test_simulations_can_be_limited():
     assert (found.simulations, found.stopped) == (25, "simulations used up")
 
 
+def test_several_grids_stopped_on_the_way_say_which_one_they_have_reached():
+    stages = [(4, 3, "tbfsl", {}), (6, 4, "tbfsl", {})]
+    found = search(BEAM, "mg", stages=stages, seed=0, max_simulations=5)
+    assert found.best_design.shape == (3, 4)
+    assert found.problem == repr(Cantilever(4, 3))
+
+
+class Returns(Pattern):
+    """Whose evaluation returns something else."""
+
+    def __init__(self, what):
+        super().__init__()
+        self.what = what
+
+    def evaluate(self, designs):
+        return self.what(super().evaluate(designs))
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        (
+            lambda values: values[:-1],
+            r"must return 1 real numbers for as many designs, and returned float64 of shape \(0,\)",
+        ),
+        (lambda values: values[:, None], r"returned float64 of shape \(1, 1\)"),
+        (lambda values: 1.0, r"returned float64 of shape \(\)"),
+        (lambda values: values + 1j, "returned complex128"),
+    ],
+)
+def test_values_of_a_wrong_shape_or_kind_are_named(what, words):
+    with pytest.raises(ValueError, match=words):
+        search(Returns(what), "tbfsl", seed=1)
+
+
+@pytest.mark.parametrize("algorithm", ["tbfsl", "ga", "sa", "tabu"])
+def test_what_is_not_finite_has_failed(algorithm):
+    problem = Returns(
+        lambda values: np.where(values == 3, -np.inf, np.where(values == 4, np.inf, values)).tolist()
+    )
+    found = search(problem, algorithm, seed=1, **({"iterations": 500} if algorithm == "sa" else {}))
+    assert np.isfinite(found.value) and found.failed > 0
+
+
+@pytest.mark.parametrize("algorithm", ["tbfsl", "bfsl", "fs", "ga", "sa", "tabu", "bf"])
+@pytest.mark.parametrize("grid", [(1, 1), (1, 4), (6, 1)])
+def test_where_nothing_can_change_the_only_design_is_the_best(algorithm, grid):
+    beam = Cantilever(*grid)
+    found = search(beam, algorithm)
+    assert found.value == beam.endpoint_displacement(beam.fixed[None])[0]
+
+
+def test_a_journal_needs_a_problem_that_has_a_name(tmp_path):
+    class Nameless(Pattern):
+        __repr__ = object.__repr__
+
+    with pytest.raises(ValueError, match="needs a __repr__ of its own"):
+        search(Nameless(), journal=tmp_path / "run.sqlite")
+    assert not any(tmp_path.iterdir())
+    assert repr(Cantilever(np.int64(6), 4)) == repr(BEAM)
+
+
 @pytest.mark.slow
 def test_workers_find_what_one_process_finds():
     alone = search(BEAM, "tbfsl", depth=3, radius=2, seed=6)
@@ -281,6 +343,22 @@ def test_a_journal_is_a_memory_of_values_and_only_of_its_own_run(tmp_path):
         ({"workers": 0}, "workers = 0: must be a whole number"),
         ({"resume": True}, "resume: needs a journal"),
         ({"algorithm": "rs"}, "limit: must be given"),
+        ({"seed": 2**63}, "seed = 9223372036854775808: must be a whole number from 0 to"),
+        ({"algorithm": "ga", "scale": "x"}, "scale = 'x': must be a number"),
+        ({"algorithm": "ga", "scale": 0}, "scale = 0: must be positive"),
+        ({"algorithm": "mg", "stages": 5}, "stages = 5: must be a sequence"),
+        (
+            {"algorithm": "mg", "stages": [(6, 4, "tbfsl")]},
+            "must be columns, rows, an algorithm and its settings",
+        ),
+        (
+            {"algorithm": "mg", "stages": [(4, 3, "tbfsl", {}), (6, 4, "tbfsl", {"depth": 0})]},
+            "mg: stage 6 x 4: tbfsl: depth = 0: must be",
+        ),
+        (
+            {"algorithm": "mg", "stages": [(6, 4, "tbfsl", {})], "start": np.ones(4)},
+            "start: must be one design",
+        ),
         ({"start": np.zeros((4, 6))}, "start: must have the fixed cells"),
         ({"start": np.ones((3, 6))}, "start: must have 4 rows and 6 columns"),
     ],
@@ -288,6 +366,19 @@ def test_a_journal_is_a_memory_of_values_and_only_of_its_own_run(tmp_path):
 def test_bad_requests_are_refused_by_name(options, words):
     with pytest.raises(ValueError, match=words):
         search(BEAM, **options)
+
+
+def test_too_many_neighbours_are_refused_before_the_work():
+    evaluated = []
+
+    class Watched(Pattern):
+        def evaluate(self, designs):
+            evaluated.append(len(designs))
+            return super().evaluate(designs)
+
+    with pytest.raises(ValueError, match="120,691,649 combinations of 899 cells"):
+        search(Watched(30, 30), "bfsl", depth=4)
+    assert not evaluated
 
 
 def test_runs_are_searches_with_seeds_that_follow():
