@@ -1,10 +1,10 @@
 """Neighbours of designs on the 48 x 16 cantilever by a few unknowns, against a sparse solve for each, in the same run.
 
-The whole neighbourhood of TBFSL(4, 2), some 6000 valid designs, of random designs, of two that a search comes by, and
-of two made to be floppy: a coil that hangs on one cell, and a maze, in which single cells hold much. Required: 200
-times as fast as a fresh sparse solve, the model's making included; no neighbour off by more than 1e-4, and none by more
-than the model says, since a search takes its word for what is worse. Told: how many a search would evaluate in vain
-since the model cannot say that they are worse; and all of it in a maze on 16 x 48.
+The whole neighbourhood of TBFSL(4, 2), some 6000 valid designs, of random designs and of two that a search comes by:
+required are 200 times the speed of a fresh sparse solve, the model's making included, and no neighbour off by more than
+1e-4. Of designs made to be floppy the same is told: a coil that hangs on one cell, and mazes, in which single cells
+hold much. For all of them it is required that no neighbour is off by more than the model says of it, since a search
+takes its word for what is worse; how many it would evaluate in vain, as they might be better, is told.
 Writes validation/results/neighbourhood.csv, three minutes; ``--quick`` takes one design of each kind on 16 x 8.
 """
 
@@ -64,7 +64,7 @@ def compared(beam: Cantilever, name: str, design: np.ndarray, required: bool) ->
         Check(case, "time over a sparse solve's", 1 / 200, each / direct, rule=rule, source="required"),
         Check(case, f"the same, model made ({1e6 * later:.0f} us, {1e3 * direct:.1f} ms)", 1 / 200, later / direct,
               rule="told"),
-        Check(case, "largest relative error of 1000", 1e-4, float(np.nanmax(off / np.abs(exact))), rule="at most",
+        Check(case, "largest relative error of 1000", 1e-4, float(np.nanmax(off / np.abs(exact))), rule=rule,
               source="direct"),
         Check(case, "largest error over what the model says", 1.0, float(np.nanmax(off / errors[some])), rule="at most",
               source="direct"),
@@ -102,8 +102,8 @@ def main(quick: bool = False) -> list[Check]:
     for most in [300] if quick else [3000, 100_000]:
         found = search(beam, "tbfsl", seed=0, max_simulations=most)
         checks += compared(beam, f"searched to {found.value:.3g} mm", found.best_design, not quick)
-    checks += compared(beam, "a coil", coil(beam), not quick)
-    checks += compared(beam, "a maze", maze(beam, rng), not quick)
+    checks += compared(beam, "a coil", coil(beam), False)
+    checks += compared(beam, "a maze", maze(beam, rng), False)
     checks += compared(
         Cantilever(beam.rows, beam.columns), "a maze", maze(Cantilever(beam.rows, beam.columns), rng), False
     )

@@ -41,10 +41,10 @@ from slmm.optimization.near_inverse import NearInverse, places
 #: of neighbours whose cells span more columns and rows than this, added up and less two, nothing is known
 WIDEST = 8
 #: error of products of strains, and of displacements over the largest one, in units of round-off times the largest
-#: flexibility in strains of a cell; three times the largest seen in trials
-ROUND_OFF = 300.0
-#: so much of the largest flexibility must be left in strains of a removed cell, in the same units
-LEAST = 30 * ROUND_OFF
+#: flexibility in strains of a cell; and the same for each hundred cells of the grid. Five times the largest of trials
+ROUND_OFF = 100.0
+#: so many times this error must be left of the flexibility in strains of a removed cell
+LEAST = 30.0
 
 
 class NeighbourhoodModel:
@@ -78,9 +78,13 @@ class NeighbourhoodModel:
         self._strains = np.vstack([strains(beam.cell[0]), beam.cell[1]])
         self._inverse = NearInverse(beam, self.centre)
         self.sag = float(self._inverse.displacements[-1, self._inverse.corner, 0])
-        #: round-off of the inverse in strains of a cell
-        self._round_off = float(
-            np.finfo(float).eps * self._inverse.near[0].diagonal(axis1=1, axis2=2).max() * beam.cell[0].max()
+        #: error of the inverse in strains of a cell
+        self._error = float(
+            ROUND_OFF
+            * (1 + self.centre.size / 100)
+            * np.finfo(float).eps
+            * self._inverse.near[0].diagonal(axis1=1, axis2=2).max()
+            * beam.cell[0].max()
         )
         self._largest = float(np.abs(self._inverse.displacements[:, :, 0]).max())
         self._own = strains_of_cells(self._strains, self._inverse.displacements, *places(beam.rows))
@@ -107,10 +111,10 @@ class NeighbourhoodModel:
                 self._pairs,
                 self._own,
                 self._strains,
-                LEAST * self._round_off,
+                LEAST * self._error,
             )
             value[near] = self.sag + change
-            error[near] = ROUND_OFF * self._round_off * (self._largest + gain)
+            error[near] = self._error * (self._largest + gain)
         return value, error
 
     def _extend(self, reach: int) -> None:
