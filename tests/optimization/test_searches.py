@@ -306,6 +306,11 @@ def test_workers_find_what_one_process_finds():
 def test_a_dask_cluster_finds_what_one_process_finds():
     distributed = pytest.importorskip("distributed")
     alone = search(BEAM, "ga", seed=6)
+
+    # as one that is defined in a script: no module of the workers has it
+    class Own(Pattern):
+        pass
+
     with (
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
@@ -313,6 +318,7 @@ def test_a_dask_cluster_finds_what_one_process_finds():
         distributed.Client(cluster) as client,
     ):
         assert same(alone, search(BEAM, "ga", seed=6, client=client))
+        assert same(search(Own(), "tbfsl", seed=1), search(Own(), "tbfsl", seed=1, client=client))
 
 
 def test_a_journal_is_a_memory_of_values_and_only_of_its_own_run(tmp_path):
