@@ -28,7 +28,7 @@ def neighbours(beam: Cantilever, design: np.ndarray) -> tuple[list[np.ndarray], 
     for k in (1, 2, 3, 4):
         flips = flips_within(~beam.fixed, k, 2)
         designs = Flipped(design, flips)[:]
-        there = beam.is_valid(designs)
+        there = beam.valid(designs)
         levels.append(flips[there])
         valid.append(designs[there])
     return levels, valid

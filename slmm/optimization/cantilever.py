@@ -84,10 +84,6 @@ class Cantilever:
         """
         return endpoint_displacements(self.checked(designs), *self.cell)
 
-    def is_valid(self, designs: ArrayLike) -> np.ndarray:
-        """Whether designs (n, rows, columns) have their fixed cells and hang together (n,)."""
-        return all_connected(self.checked(designs))
-
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns."""
@@ -105,9 +101,9 @@ class Cantilever:
         """The design that has the fixed cells alone."""
         return self.fixed
 
-    def valid(self, designs: np.ndarray) -> np.ndarray:
-        """See `is_valid`."""
-        return self.is_valid(designs)
+    def valid(self, designs: ArrayLike) -> np.ndarray:
+        """Whether designs (n, rows, columns) have their fixed cells and hang together (n,)."""
+        return all_connected(self.checked(designs))
 
     def evaluate(self, designs: np.ndarray) -> np.ndarray:
         """See `endpoint_displacement`."""

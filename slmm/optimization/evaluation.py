@@ -135,11 +135,12 @@ class Evaluation:
         # a design without an approximate value is a candidate, too
         approximate, errors = model.evaluate(flips)
         candidates = np.flatnonzero(~(approximate - errors > ask.below))
-        for first in range(0, len(candidates), self.workers):
-            these = candidates[first : first + self.workers]
+        done, number = 0, self.workers
+        while done < len(candidates) and not (values < ask.below).any():
+            these = candidates[done : done + number]
             values[these] = self.values(ask.problem, designs[these])
-            if (values[these] < ask.below).any():
-                break
+            # most candidates are what the model says; without a model more and more are needed
+            done, number = done + number, 2 * number
         return values
 
 

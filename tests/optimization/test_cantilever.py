@@ -41,9 +41,9 @@ def test_what_hangs_on_nothing_is_not_valid():
     corner[2, 2] = True
     corner[1, 1] = True  # touches it at a corner only
     bare = np.zeros((4, 6), dtype=bool)
-    assert beam.is_valid([lonely, corner, bare, beam.fixed]).tolist() == [False, False, False, True]
+    assert beam.valid([lonely, corner, bare, beam.fixed]).tolist() == [False, False, False, True]
     assert np.isnan(beam.endpoint_displacement([lonely])[0])
-    assert beam.is_valid(beam.repaired(lonely)[None])[0]
+    assert beam.valid(beam.repaired(lonely)[None])[0]
     assert not beam.repaired(lonely)[3, 4]
 
 
@@ -53,9 +53,9 @@ def test_repaired_designs_are_valid_and_only_lose_cells(seed):
     beam = Cantilever(7, 5)
     (design,) = random_designs(beam, 1, seed)
     repaired = beam.repaired(design)
-    assert beam.is_valid(repaired[None])[0]
+    assert beam.valid(repaired[None])[0]
     assert not (repaired & ~design).any()
-    if beam.is_valid(design[None])[0]:
+    if beam.valid(design[None])[0]:
         assert (repaired == design).all()
 
 

@@ -21,7 +21,7 @@ def design_of(beam, seed, share=0.6):
 def compared(beam, design, flips):
     """Approximate values, their errors, and direct values of the valid ones."""
     designs = Flipped(design, flips)[:]
-    valid = beam.is_valid(designs)
+    valid = beam.valid(designs)
     assert valid.any()
     return *NeighbourhoodModel(beam, design).evaluate(flips[valid]), beam.endpoint_displacement(
         designs[valid]
@@ -57,7 +57,7 @@ def test_cells_anywhere_may_be_flipped(seed, columns, rows):
     k = min(len(free), 5)
     flips = np.array([rng.choice(free, k, replace=False) for _ in range(20)])
     designs = Flipped(design, flips)[:]
-    valid = beam.is_valid(designs)
+    valid = beam.valid(designs)
     ours, error = NeighbourhoodModel(beam, design).evaluate(flips[valid])
     direct = beam.endpoint_displacement(designs[valid])
     known = ~np.isnan(ours)
@@ -138,7 +138,7 @@ def test_values_do_not_depend_on_what_was_asked_before():
     design = design_of(beam, 1)
     free = np.flatnonzero(~beam.fixed.ravel())
     flips = np.array([[a, b] for a, b in combinations(free, 2)])
-    flips = flips[beam.is_valid(Flipped(design, flips)[:])]
+    flips = flips[beam.valid(Flipped(design, flips)[:])]
     at_once, _ = NeighbourhoodModel(beam, design).evaluate(flips)
     model = NeighbourhoodModel(beam, design)
     backwards = np.concatenate([model.evaluate(part)[0] for part in np.array_split(flips[::-1], 7)])[::-1]
