@@ -3,7 +3,7 @@
 Required: the median of the multi-grid runs at least as good as the published one; every final value confirmed by a
 sparse direct solve. Told: single grid, numbers of simulations, times (the paper: hours on four cores). A run that is
 done is kept in validation/results/tables3_4_multi_grid.csv, and how its values came down in _curves.csv; started again,
-the script goes on with those that are not. All of them take 25 minutes on two cores; ``--quick`` takes two grids, up to
+the script goes on with those that are not. All of them take 11 minutes on two cores; ``--quick`` takes two grids, up to
 12 x 8.
 """
 
