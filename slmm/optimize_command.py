@@ -143,10 +143,12 @@ def cantilever(
 
 @contextmanager
 def word_of_journals(journals: Path | None) -> Iterator[None]:
-    """Say how a search goes on that is interrupted."""
+    """Say how a search goes on that is interrupted, or ends with an error that is no refusal."""
     try:
         yield
-    except KeyboardInterrupt:
+    except ValueError:
+        raise
+    except BaseException:
         if journals is not None and journals.is_dir():
             say_error(f"stopped; with --resume it goes on with what is in {journals}")
         raise

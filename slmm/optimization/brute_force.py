@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from slmm import __version__
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.checks import check_whole
-from slmm.optimization.exhaustive import Block, all_designs, count_valid, design_of
+from slmm.optimization.exhaustive import Block, all_designs, check_grid, count_valid, design_of
 from slmm.whole_file import whole_file
 
 #: values closer than this share of the larger one are those of the same design, computed in another way
@@ -57,7 +57,7 @@ def brute_force(
     Raises
     ------
     ValueError
-        See `slmm.optimization.exhaustive.all_designs`; when best is less than 1; and for a journal that is of
+        See `slmm.optimization.exhaustive.check_grid`; when best is less than 1; and for a journal that is of
         something else, or there already and not to be resumed.
 
     Examples
@@ -70,6 +70,7 @@ def brute_force(
     path = None if journal is None else Path(journal)
     if resume and path is None:
         raise ValueError("resume: needs a journal")
+    check_grid(beam)
     total = count_valid(beam)
     state = _State(f"{beam!r}, best {best}, {__version__}")
     if path is not None and path.exists():
@@ -127,7 +128,7 @@ def ranks(beam: Cantilever, values: ArrayLike) -> np.ndarray:
     Raises
     ------
     ValueError
-        For a value that is not finite, and see `slmm.optimization.exhaustive.all_designs`.
+        For a value that is not finite, and see `slmm.optimization.exhaustive.check_grid`.
 
     Examples
     --------

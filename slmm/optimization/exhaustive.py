@@ -22,6 +22,8 @@ from slmm.optimization.halves import EMPTY, HELD, Halves, counted, fits, left_ha
 LANES = 128
 #: bytes that the stiffness of all left halves, or all right ones, may take
 MOST = 8e9
+#: rows of grids whose designs are counted
+TALLEST = 10
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ def all_designs(beam: Cantilever, first: int = 0) -> Iterator[Block]:
     Raises
     ------
     ValueError
-        For grids of one column, or whose designs have more than 62 bits, or whose halves take too much memory.
+        See `check_grid`.
 
     Examples
     --------
@@ -83,26 +85,47 @@ def all_designs(beam: Cantilever, first: int = 0) -> Iterator[Block]:
 def count_valid(beam: Cantilever) -> int:
     """Number of valid designs.
 
+    Raises
+    ------
+    ValueError
+        For more than ten rows, which have too many profiles.
+
     Examples
     --------
     >>> count_valid(Cantilever(8, 5))  # Paper C
     59554032
     """
+    if beam.rows > TALLEST:
+        raise ValueError(
+            f"grid {beam.columns} x {beam.rows}: designs of more than {TALLEST} rows are not counted"
+        )
     ends = counted((HELD,) * beam.rows, beam.columns - 1)
     return sum(number for profile, number in ends.items() if max(profile) == HELD)
 
 
-def _halves(beam: Cantilever) -> tuple[Halves, Halves, np.ndarray]:
-    """Both halves, and which of their profiles fit."""
+def check_grid(beam: Cantilever) -> None:
+    """Refuse a grid of which not all designs can be known.
+
+    Raises
+    ------
+    ValueError
+        For grids of one column, or whose designs have more than 62 bits, or whose halves take too much memory.
+    """
     bits = (beam.columns - 1) * (beam.rows - 1)
     if beam.columns < 2 or bits > 62:
         raise ValueError(
             f"grid {beam.columns} x {beam.rows}: needs two columns at least and 62 free cells at most"
         )
-    columns = (beam.columns + 1) // 2
     check_memory(beam, 4 * 2 ** (beam.rows - 1))  # single columns
+    columns = (beam.columns + 1) // 2
     for first, more in ((HELD, columns - 1), (EMPTY, beam.columns - columns)):
         check_memory(beam, sum(counted((first,) * beam.rows, more).values()))
+
+
+def _halves(beam: Cantilever) -> tuple[Halves, Halves, np.ndarray]:
+    """Both halves, and which of their profiles fit."""
+    check_grid(beam)
+    columns = (beam.columns + 1) // 2
     left, right = left_halves(beam, columns), right_halves(beam, beam.columns - columns)
     return left, right, fits(left.profiles, right.profiles)
 

@@ -125,8 +125,11 @@ def test_progress_runs_to_the_end_and_nonsense_is_refused():
         ((9, 7), r"halves take \d+ GB"),
         ((2, 20), r"halves take \d+ GB"),
     ):
-        with pytest.raises(ValueError, match=words):
-            next(all_designs(Cantilever(*grid)))
+        for ask in (lambda beam: next(all_designs(beam)), brute_force):
+            with pytest.raises(ValueError, match=words):
+                ask(Cantilever(*grid))
+    with pytest.raises(ValueError, match="more than 10 rows are not counted"):
+        count_valid(Cantilever(48, 16))
     with pytest.raises(ValueError, match="nan has no place"):
         ranks(Cantilever(4, 3), [0.01, np.nan])
     assert ranks(Cantilever(4, 3), 0.0071696).tolist() == [1]
