@@ -136,6 +136,7 @@ def initiation(
                 with whole_file(plot) as unfinished:
                     figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
         from slmm import summary
+        from slmm.verdict import conclude
 
         if as_json:
             print(summary.as_json(result))
@@ -143,6 +144,8 @@ def initiation(
             _print_result(result)
         if not summary.by_criticality(result):
             say_error("no position has a failure index")
+            raise typer.Exit(1)
+        if conclude(result).is_open:
             raise typer.Exit(1)
 
 
@@ -256,6 +259,7 @@ def info(
 
 def _print_result(result: xr.Dataset) -> None:
     from slmm.summary import by_criticality, methods_used, position_record, status_counts, verdict
+    from slmm.verdict import conclude, remedy
 
     ranked = by_criticality(result)
     n = result.sizes["position"]
@@ -288,6 +292,10 @@ def _print_result(result: xr.Dataset) -> None:
     out.print(verdict(result), soft_wrap=True, markup=False)
     counts = "; ".join(f"{count} {status}" for status, count in status_counts(result).items())
     out.print(f"Positions: {counts}.", soft_wrap=True, markup=False)
+    if (helps := remedy(result)) and not conclude(result).is_open:  # which says it, too
+        out.print(f"To have values at the others, {helps}.", soft_wrap=True, markup=False)
+    if "cost" in result.attrs:
+        out.print(f"Cost: {result.attrs['cost']}.", soft_wrap=True, markup=False)
 
 
 def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | None) -> None:

@@ -327,7 +327,7 @@ class Analysis(Table):
     cells and strength criteria take the uncracked part's field from.
     """
 
-    method: Method = "slmm+ac"
+    method: Method = "auto"
     positions: Annotated[Count, Field(ge=1, le=100_000)] = 50
     points: Annotated[PlanePoints, Field(min_length=1)] | None = None
     voxels: Literal["auto"] | Count = "auto"
