@@ -1,8 +1,8 @@
 """Where the largest index may lie between two positions, and which further positions would find it.
 
-The index along an outline has a peak where the stress has one. Between two positions it is as high as a parabola through
-three of them says, once they lie closely enough to see each bend of the outline. What is still hidden must be covered
-by the estimate of the index's error; where it is not, positions are added.
+The index along an outline has a peak where the stress has one. Between two positions it is as high as a parabola
+through three of them says, once they lie closely enough to see each bend of the outline. What is still hidden must be
+covered by the estimate of the index's error; where it is not, positions are added.
 """
 
 from __future__ import annotations
@@ -141,7 +141,8 @@ def _beside(s: np.ndarray, at: float) -> np.ndarray:
 
 def positions_at(peaks: list[Peak], where: Positions) -> tuple[np.ndarray, np.ndarray]:
     """Outline (m,) and arc length (m,), mm, of what the highest peaks want, at most `MOST` of them."""
-    hole, s = [], []
+    hole: list[int] = []
+    s: list[float] = []
     for peak in peaks:
         if s and len(s) + len(peak.wanted) > MOST:
             break
