@@ -18,8 +18,9 @@ from scipy.spatial import cKDTree
 
 #: coordinates are the same within this share of the model's size: the digits of a file or of single precision
 SAME_PLACE = 1e-6
-#: displacements are the same within this share of the largest; a crack is open by more
-SAME_DISPLACEMENT = 1e-6
+#: displacements are the same within this share of their range, and this one of the largest, where a rigid motion takes
+#: digits away: single precision, or six digits in a text. A crack of 1e-3 of the part is open by more
+SAME_IN_RANGE, SAME_OF_LARGEST = 1e-5, 1e-6
 
 
 def joined(
@@ -68,13 +69,19 @@ def joined(
     pairs = used[cKDTree(points[used]).query_pairs(SAME_PLACE * size, output_type="ndarray")]
     pairs = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
     jump = np.abs(u[pairs[:, 0]] - u[pairs[:, 1]]).max(axis=1)
-    equal = pairs[jump <= SAME_DISPLACEMENT * np.abs(u[used]).max()]
+    same = SAME_IN_RANGE * np.ptp(u[used], axis=0).max() + SAME_OF_LARGEST * np.abs(u[used]).max()
+    equal = pairs[jump <= same]
     _, of_node = np.unique(_components(n, *equal.T), return_inverse=True)
     lowest = np.full(n, n)
     np.minimum.at(lowest, of_node, node)
     node = lowest[of_node]
     _check_continuous(part, pairs, node, sum(len(nodes) for nodes in cells.values()), jump)
     return {kind: node[nodes] for kind, nodes in cells.items()}, node
+
+
+def first_of_equal(nodes: np.ndarray) -> np.ndarray:
+    """Which of the elements (m, k) have nodes that none before has, in order."""
+    return np.sort(np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)[1])
 
 
 def mean_of_joined(values: np.ndarray, node: np.ndarray) -> np.ndarray:

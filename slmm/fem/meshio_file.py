@@ -1,4 +1,4 @@
-"""Meshes and data from what meshio reads: XDMF, MED, gmsh's .msh, legacy .vtk and others."""
+"""Meshes and data from what meshio reads: XDMF, MED, gmsh's .msh, structured .vtk and others."""
 
 from __future__ import annotations
 
@@ -34,7 +34,6 @@ def read_with_meshio(path: Path, chosen: Callable[[int], int]) -> tuple[FileMesh
     OSError, ValueError
         When the file cannot be read, or only in part.
     """
-    _check_legacy_vtk(path)
     with _reading(path):
         series = _xdmf_series(path)
     if series is None:
@@ -86,19 +85,6 @@ def _med_components(mesh: Any) -> dict[str, list[str]]:
     own = dict.fromkeys(name.split("[")[0] for name in (*mesh.point_data, *mesh.cell_data))
     names = [name for name in own if name not in ("point_tags", "cell_tags")]
     return dict(zip(names, called, strict=False)) if len(names) == len(called) else {}
-
-
-def _check_legacy_vtk(path: Path) -> None:
-    """Refuse legacy files of VTK that hold something else than a mesh, which meshio does not name."""
-    if path.suffix.lower() == ".vtk":
-        with path.open("rb") as file:
-            head = file.read(2000)
-        for line in head.splitlines()[3:6]:
-            words = line.split()
-            if words[:1] == [b"DATASET"] and words[1:2] == [b"POLYDATA"]:
-                raise ValueError(
-                    f"{path}: holds polygons of surfaces (POLYDATA): an unstructured grid is needed"
-                )
 
 
 def _xdmf_series(path: Path) -> meshio.xdmf.TimeSeriesReader | None:

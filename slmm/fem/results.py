@@ -16,7 +16,7 @@ from slmm.fem.displacement_names import find_displacements
 from slmm.fem.field import ELEMENTS, DisplacementField
 from slmm.fem.file_mesh import FileMesh, side_by_side
 from slmm.fem.frd import FrdField, FrdResult, read_frd
-from slmm.fem.joined_nodes import joined, mean_of_joined
+from slmm.fem.joined_nodes import first_of_equal, joined, mean_of_joined
 
 #: plane elements by their number of nodes, as faces of solid elements
 _FACE_KINDS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
@@ -182,13 +182,20 @@ def mesh_displacements(path: Path, step: int, field: str | None = None) -> MeshS
         cells, node = joined(mesh.points, mesh.cells, steps[number])
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
-    data = mesh.point_data
+    data, cell_data = mesh.point_data, mesh.cell_data
     if (node != np.arange(len(node))).any():
         data = {
             name: mean_of_joined(values, node) if values.dtype.kind == "f" else values
             for name, values in data.items()
         }
-    return MeshStep(FileMesh(mesh.points, cells, data, mesh.cell_data), steps[number], number)
+        # pieces overlap where ghosts are not marked
+        once = {kind: first_of_equal(nodes) for kind, nodes in cells.items()}
+        cells = {kind: nodes[once[kind]] for kind, nodes in cells.items()}
+        cell_data = {
+            name: {kind: values[once[kind]] for kind, values in own.items()}
+            for name, own in cell_data.items()
+        }
+    return MeshStep(FileMesh(mesh.points, cells, data, cell_data), steps[number], number)
 
 
 def _read_mesh(path: Path, chosen: Callable[[int], int]) -> tuple[FileMesh, bool]:
@@ -209,6 +216,12 @@ def _read_mesh(path: Path, chosen: Callable[[int], int]) -> tuple[FileMesh, bool
         from slmm.fem.exodus import read_exodus
 
         return read_exodus(path, chosen), True
+    if suffix == ".vtk":
+        from slmm.fem.vtk_legacy import dataset_of, read_legacy
+
+        # meshio makes elements of images and structured grids
+        if dataset_of(path) == "UNSTRUCTURED_GRID":
+            return read_legacy(path), False
     from slmm.fem.meshio_file import read_with_meshio
 
     return read_with_meshio(path, chosen)

@@ -51,6 +51,9 @@ KINDS = {
 #: orders of nodes that differ: the sides of pixels and voxels run the same way, those of others around
 ORDERS = {8: [0, 1, 3, 2], 11: [0, 1, 3, 2, 4, 5, 7, 6]}
 
+#: Lagrange bricks of the second order had these edges the other way before version 2.1 of XML, 5.1 of legacy files
+FORMER = {(72, 27): [*range(18), 19, 18, *range(20, 27)]}
+
 #: names of types that are not read
 NAMES = {
     6: "triangle strip",
@@ -90,7 +93,23 @@ class Cells(NamedTuple):
     """Elements of one kind, and which of the file's cells they are."""
 
     nodes: np.ndarray  # (m, k)
-    index: np.ndarray  # (m,)
+    number: np.ndarray  # (m,)
+
+
+def check_nodes(connectivity: np.ndarray, offsets: np.ndarray, n_points: int) -> None:
+    """Refuse cells that name nodes that are not there.
+
+    Raises
+    ------
+    ValueError
+        With the first such cell and its node.
+    """
+    wrong = np.flatnonzero((connectivity < 0) | (connectivity >= n_points))
+    if len(wrong):
+        raise ValueError(
+            f"the array connectivity: cell {np.searchsorted(offsets, wrong[0], side='right')} names node "
+            f"{connectivity[wrong[0]]}: nodes are numbered from 0 to {n_points - 1}"
+        )
 
 
 def check_offsets(offsets: np.ndarray) -> None:
@@ -109,7 +128,11 @@ def check_offsets(offsets: np.ndarray) -> None:
 
 
 def cells_by_kind(
-    connectivity: np.ndarray, offsets: np.ndarray, types: np.ndarray, degrees: np.ndarray | None = None
+    connectivity: np.ndarray,
+    offsets: np.ndarray,
+    types: np.ndarray,
+    degrees: np.ndarray | None = None,
+    former: bool = False,
 ) -> dict[str, Cells]:
     """Elements by kind; points and lines are left out.
 
@@ -122,6 +145,8 @@ def cells_by_kind(
     types : ndarray (m,) of int
     degrees : ndarray (m, 3), optional
         Of Lagrange cells, by direction.
+    former : bool
+        The file is of a version with the former order of nodes.
 
     Raises
     ------
@@ -151,10 +176,12 @@ def cells_by_kind(
         if degrees is not None and kind in LAGRANGE:
             _check_degrees(kind, count, degrees[index], int(first))
         nodes = connectivity[start[index][:, None] + np.arange(count)]
-        found.setdefault(KINDS[kind, count], []).append(Cells(nodes[:, ORDERS.get(kind, slice(None))], index))
+        order = FORMER.get((kind, count)) if former else None
+        nodes = nodes[:, order or ORDERS.get(kind, slice(None))]
+        found.setdefault(KINDS[kind, count], []).append(Cells(nodes, index))
     return {
         name: Cells(
-            np.concatenate([own.nodes for own in cells]), np.concatenate([own.index for own in cells])
+            np.concatenate([own.nodes for own in cells]), np.concatenate([own.number for own in cells])
         )
         for name, cells in found.items()
     }

@@ -15,7 +15,7 @@ import numpy as np
 
 from slmm.fem.file_mesh import FileMesh, checked, side_by_side
 from slmm.fem.vtk_arrays import NUMBERS, Encoding, read_array
-from slmm.fem.vtk_cells import cells_by_kind, check_offsets
+from slmm.fem.vtk_cells import cells_by_kind, check_nodes, check_offsets
 
 #: elements within elements, chosen: VTK has seven
 DEEPEST = 50
@@ -52,7 +52,8 @@ def read_vtu(path: Path) -> FileMesh:
         root, appended, in_base64 = _parsed(path.read_bytes())
         _check_root(root, "UnstructuredGrid")
         encoding = Encoding.of(root, appended, in_base64)
-        pieces = [_piece(piece, encoding) for piece in root.findall("UnstructuredGrid/Piece")]
+        former = float(root.get("version", "0.1")) < 2.1
+        pieces = [_piece(piece, encoding, former) for piece in root.findall("UnstructuredGrid/Piece")]
         if not pieces:
             raise ValueError("there is no <Piece> in <UnstructuredGrid>")
     except ValueError as error:
@@ -126,7 +127,7 @@ def _check_root(root: Element, kind: str) -> None:
         raise ValueError(f"is of version {version[:20]!r} of VTK's XML files: known are 0.1 to 2.x")
 
 
-def _piece(piece: Element, encoding: Encoding) -> FileMesh:
+def _piece(piece: Element, encoding: Encoding, former: bool) -> FileMesh:
     n_points, n_cells = (_count(piece, name) for name in ("NumberOfPoints", "NumberOfCells"))
     arrays = piece.findall("Points/DataArray")
     if len(arrays) != 1:
@@ -142,14 +143,14 @@ def _piece(piece: Element, encoding: Encoding) -> FileMesh:
     ghosts = cell_data.pop("vtkGhostType", np.zeros(n_cells, np.uint8))
     levels = cell_data.pop("vtkGhostLevels", np.zeros(n_cells))
     own = ((ghosts & GHOST) == 0) & (levels == 0) if np.issubdtype(ghosts.dtype, np.integer) else levels == 0
-    cells = cells_by_kind(nodes, offsets, types, degrees)
-    kept = {kind: own[found.index] for kind, found in cells.items()}
+    cells = cells_by_kind(nodes, offsets, types, degrees, former)
+    kept = {kind: own[found.number] for kind, found in cells.items()}
     return FileMesh(
         points,
         {kind: found.nodes[kept[kind]] for kind, found in cells.items()},
         _data(piece.find("PointData"), encoding, n_points),
         {
-            name: {kind: values[found.index[kept[kind]]] for kind, found in cells.items()}
+            name: {kind: values[found.number[kept[kind]]] for kind, found in cells.items()}
             for name, values in cell_data.items()
         },
         _components(piece.find("PointData")),
@@ -176,12 +177,7 @@ def _cells(
     check_offsets(offsets)
     size = int(offsets[-1]) if n_cells else 0
     nodes = _whole_numbers("connectivity", read_array(arrays["connectivity"], encoding, size))
-    wrong = np.flatnonzero((nodes < 0) | (nodes >= n_points))
-    if len(wrong):
-        raise ValueError(
-            f"the array connectivity: cell {np.searchsorted(offsets, wrong[0], side='right')} names node "
-            f"{nodes[wrong[0]]}: nodes are numbered from 0 to {n_points - 1}"
-        )
+    check_nodes(nodes, offsets, n_points)
     return nodes, offsets, types
 
 
