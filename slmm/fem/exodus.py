@@ -68,21 +68,24 @@ def read_exodus(path: Path, chosen: Callable[[int], int]) -> FileMesh:
     try:
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
-            return checked(path, _mesh(path, file, chosen))
-    except (OSError, RuntimeError, KeyError, IndexError, AttributeError) as error:
+            return checked(path, _mesh(file, path.stat().st_size, chosen))
+    except ValueError as error:
+        raise ValueError(f"{path}: {str(error).removeprefix(f'{path}: ')}") from error
+    # what netCDF4 raises at a damaged file, and numpy at arrays of other shapes
+    except (OSError, RuntimeError, LookupError, AttributeError, TypeError, MemoryError) as error:
         raise ValueError(f"{path}: cannot be read as Exodus: {error}") from error
 
 
-def _mesh(path: Path, file: netCDF4.Dataset, chosen: Callable[[int], int]) -> FileMesh:
+def _mesh(file: netCDF4.Dataset, size: int, chosen: Callable[[int], int]) -> FileMesh:
     if "num_nodes" not in file.dimensions:
-        raise ValueError(f"{path}: cannot be read as Exodus: it has no dimension num_nodes")
-    _checked_sizes(path, file)
+        raise ValueError("cannot be read as Exodus: it has no dimension num_nodes")
+    _check_sizes(file, size)
     blocks = {name: file[name] for name in file.variables if re.fullmatch(r"connect\d+", name)}
     step = chosen(file.dimensions["time_step"].size) if "time_step" in file.dimensions else chosen(0)
     cells: dict[str, list[np.ndarray]] = {}
     numbers: dict[str, list[int]] = {}
     for name, block in sorted(blocks.items(), key=lambda item: int(item[0][7:])):
-        kind = _kind(path, name, str(block.elem_type), block.shape[-1])
+        kind = _kind(name, str(block.elem_type), block.shape[-1])
         if kind is not None:
             nodes = block[:].astype(np.int64) - 1
             cells.setdefault(kind, []).append(nodes[:, ORDERS.get(kind, slice(None))])
@@ -95,7 +98,7 @@ def _mesh(path: Path, file: netCDF4.Dataset, chosen: Callable[[int], int]) -> Fi
     )
 
 
-def _kind(path: Path, name: str, called: str, count: int) -> str | None:
+def _kind(name: str, called: str, count: int) -> str | None:
     """The kind of the elements of a block, None for points and lines."""
     upper = called.strip("\0 ").upper()
     if upper.startswith(THIN):
@@ -105,7 +108,7 @@ def _kind(path: Path, name: str, called: str, count: int) -> str | None:
         if upper.startswith(begin) and nodes == count:
             return kind
     raise ValueError(
-        f"{path}: {name} has elements of type {called[:20]!r} with {count} nodes: known are "
+        f"{name} has elements of type {called[:20]!r} with {count} nodes: known are "
         f"{', '.join(dict.fromkeys(KINDS.values()))}"
     )
 
@@ -114,17 +117,16 @@ def _points(file: netCDF4.Dataset) -> np.ndarray:
     if "coord" in file.variables:
         points = np.asarray(file["coord"][:], dtype=float).T
     else:
-        axes = [axis for axis in "xyz" if f"coord{axis}" in file.variables]
+        axes = [axis for axis in "xyz" if axis in "xy" or f"coord{axis}" in file.variables]
         points = np.stack([np.asarray(file[f"coord{axis}"][:], dtype=float) for axis in axes], axis=1)
     return points
 
 
-def _checked_sizes(path: Path, file: netCDF4.Dataset) -> None:
+def _check_sizes(file: netCDF4.Dataset, size: int) -> None:
     """Refuse arrays that a damaged header makes larger than the file can hold."""
     for name, variable in file.variables.items():
-        size = math.prod(variable.shape) * np.dtype(variable.dtype).itemsize
-        if size > max(LARGEST_RATIO * path.stat().st_size, 2**20):
-            raise ValueError(f"{path}: {name} has the shape {variable.shape}, more than the file can hold")
+        if math.prod(variable.shape) * np.dtype(variable.dtype).itemsize > max(LARGEST_RATIO * size, 2**20):
+            raise ValueError(f"{name} has the shape {variable.shape}, more than the file can hold")
 
 
 def _names(file: netCDF4.Dataset, variable: str) -> list[str]:

@@ -176,8 +176,8 @@ def cells_by_kind(
         if degrees is not None and kind in LAGRANGE:
             _check_degrees(kind, count, degrees[index], int(first))
         nodes = connectivity[start[index][:, None] + np.arange(count)]
-        order = FORMER.get((kind, count)) if former else None
-        nodes = nodes[:, order or ORDERS.get(kind, slice(None))]
+        order = ORDERS.get(kind) or (FORMER.get((kind, count)) if former else None)
+        nodes = nodes if order is None else nodes[:, order]
         found.setdefault(KINDS[kind, count], []).append(Cells(nodes, index))
     return {
         name: Cells(

@@ -135,7 +135,8 @@ def _mesh(stream: _Stream) -> FileMesh:
     former = float(version[1]) < 5.1
     stream.line()
     stream.binary = stream.line().strip().upper() == b"BINARY"
-    points, nodes, offsets, types = (np.zeros(0),) * 4
+    points: np.ndarray
+    points = nodes = offsets = types = np.zeros(0)
     data: dict[str, dict[str, np.ndarray]] = {"POINT_DATA": {}, "CELL_DATA": {}, "": {}}
     section, rows = "", 0
     while words := stream.words():
@@ -194,7 +195,9 @@ def _cells(stream: _Stream, count: int, size: int) -> tuple[np.ndarray, np.ndarr
         return nodes, offsets[1:]
     stream.at = at
     mixed = stream.numbers("CELLS", size, "int")
-    ends, starts, at = [], [], 0
+    ends: list[int] = []
+    starts: list[int] = []
+    at = 0
     for _ in range(count):
         if not (at < size and 0 <= mixed[at] < size - at):
             raise ValueError(f"CELLS: cell {len(ends)} reaches beyond the {size} numbers")

@@ -97,7 +97,7 @@ def write(name, data, mode="Appended", compressor=None, big=False, wide=True, ra
 
 
 def pieces(data, ghosts):
-    split = vtk.vtkTransmitUnstructuredGridPiece()
+    split = vtk.vtkExtractUnstructuredGridPiece()
     split.SetInputData(data)
     for k in range(2):
         split.UpdatePiece(k, 2, ghosts)
