@@ -41,8 +41,8 @@ _DIRECTION = re.compile(
     r"(?P<stem>.*?)[ ,]*(?P<end>[xyz]|[0-3])([ -]component)?|(?P<start>[xyz])[ -](component of )?(?P<rest>.*)"
 )
 
-#: directions in three ways of counting
-_AXES = ("xyz", "123", "012")
+#: directions in three ways of counting; what begins with 0 has a 1 and a 2 as well
+_AXES = ("xyz", "012", "123")
 
 #: two data are the same when they differ by less than this share of their largest value: single precision
 SAME = 1e-6
