@@ -116,7 +116,7 @@ def find_displacements(
             f"the displacements {name!r} have {own.components} components: 2 or 3 components are needed"
         )
     first = next(iter(right))
-    if differing := [name for name in right if not _same(right[first].steps, right[name].steps)]:
+    if differing := [name for name in [*right][1:] if not _same(right[first].steps, right[name].steps)]:
         raise ValueError(
             f"several nodal data may be the displacements: {_listed([first, *differing])}; name the right one (--field)"
         )

@@ -21,6 +21,8 @@ SAME_PLACE = 1e-6
 #: displacements are the same within this share of their range, and this one of the largest, where a rigid motion takes
 #: digits away: single precision, or six digits in a text. A crack of 1e-3 of the part is open by more
 SAME_IN_RANGE, SAME_OF_LARGEST = 1e-5, 1e-6
+#: places within that distance of a place, on average, beyond which coordinates have too few digits; chosen
+MOST_NEIGHBOURS = 10
 
 
 def joined(
@@ -61,27 +63,32 @@ def joined(
     if not first:
         return cells, node
     part = _components(n, np.concatenate(first), np.concatenate(other))
-    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
-    used = used[np.isfinite(points[used]).all(axis=1) & np.isfinite(u[used]).all(axis=1)]
-    if len(np.unique(part[used])) < 2:
+    here = np.zeros(n, dtype=bool)
+    for nodes in cells.values():
+        here[nodes] = True
+    used = np.flatnonzero(here & np.isfinite(points).all(axis=1) & np.isfinite(u).all(axis=1))
+    if not len(used) or (part[used] == part[used[0]]).all():
         return cells, node
-    size = np.ptp(points[used], axis=0).max()
-    pairs = used[cKDTree(points[used]).query_pairs(SAME_PLACE * size, output_type="ndarray")]
-    pairs = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
-    jump = np.abs(u[pairs[:, 0]] - u[pairs[:, 1]]).max(axis=1)
-    same = SAME_IN_RANGE * np.ptp(u[used], axis=0).max() + SAME_OF_LARGEST * np.abs(u[used]).max()
-    equal = pairs[jump <= same]
-    _, of_node = np.unique(_components(n, *equal.T), return_inverse=True)
-    lowest = np.full(n, n)
-    np.minimum.at(lowest, of_node, node)
-    node = lowest[of_node]
-    _check_continuous(part, pairs, node, sum(len(nodes) for nodes in cells.values()), jump)
+    part, u = part[used], u[used]
+    place = _places(points[used])
+    several = _several(place, part)
+    same = SAME_IN_RANGE * np.ptp(u, axis=0).max() + SAME_OF_LARGEST * np.abs(u).max()
+    group = place
+    for component in u.T:
+        group = _cut(group, component, same)
+    # of nodes that coincide and move as one, those of one part alone are the faces of a crack
+    together = _several(group, part)[group]
+    lowest = np.full(group.max() + 1, n)
+    np.minimum.at(lowest, group, used)
+    node[used[together]] = lowest[group[together]]
+    elements = sum(len(nodes) for nodes in cells.values())
+    _check_continuous(place, several, part, node[used], u, elements)
     return {kind: node[nodes] for kind, nodes in cells.items()}, node
 
 
 def first_of_equal(nodes: np.ndarray) -> np.ndarray:
     """Which of the elements (m, k) have nodes that none before has, in order."""
-    return np.sort(np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)[1])
+    return np.sort(_first_of_equal_rows(np.sort(nodes, axis=1))[0])
 
 
 def mean_of_joined(values: np.ndarray, node: np.ndarray) -> np.ndarray:
@@ -92,28 +99,71 @@ def mean_of_joined(values: np.ndarray, node: np.ndarray) -> np.ndarray:
     return (means[node] / count[node, None]).reshape(values.shape)
 
 
+def _places(points: np.ndarray) -> np.ndarray:
+    """The number of the place at which each node lies."""
+    first, of_node = _first_of_equal_rows(points)
+    tree = cKDTree(points[first])
+    reach = SAME_PLACE * np.ptp(points, axis=0).max()
+    if tree.count_neighbors(tree, reach) > MOST_NEIGHBOURS * len(first):
+        raise ValueError(
+            f"nodes lie closer to each other than {reach:.3g} mm, {SAME_PLACE:g} of the model's size: is one far away?"
+        )
+    near = tree.query_pairs(reach, output_type="ndarray")
+    return _components(len(first), *near.T)[of_node]
+
+
+def _first_of_equal_rows(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The first of the rows that are equal, and the number of these for each row."""
+    order = np.lexsort(rows.T)
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = (rows[order[1:]] != rows[order[:-1]]).any(axis=1)
+    number = np.empty(len(rows), dtype=np.int64)
+    number[order] = np.cumsum(new) - 1
+    return order[new], number
+
+
+def _cut(group: np.ndarray, values: np.ndarray, same: float) -> np.ndarray:
+    """Groups, each cut where its sorted values have a gap."""
+    order = np.lexsort([values, group])
+    new = np.zeros(len(group), dtype=bool)
+    new[1:] = (np.diff(group[order]) != 0) | (np.diff(values[order]) > same)
+    result = np.empty(len(group), dtype=np.int64)
+    result[order] = np.cumsum(new)
+    return result
+
+
+def _several(group: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Which groups have nodes of several parts."""
+    low = np.full(group.max() + 1, part.max() + 1)
+    high = np.full(group.max() + 1, -1)
+    np.minimum.at(low, group, part)
+    np.maximum.at(high, group, part)
+    return low < high
+
+
 def _check_continuous(
-    part: np.ndarray, pairs: np.ndarray, node: np.ndarray, elements: int, jump: np.ndarray
+    place: np.ndarray, several: np.ndarray, part: np.ndarray, node: np.ndarray, u: np.ndarray, elements: int
 ) -> None:
     """Refuse displacements that jump from element to element.
 
     The sign is places where three parts and more meet, as around every corner of a mesh: of cracks they are the few
     points where one branches.
     """
-    if not len(pairs):
+    here = several[place]
+    if not here.any():
         return
-    n = len(node)
-    _, place = np.unique(_components(n, *pairs.T), return_inverse=True)
-    here = np.unique(pairs)
-    before = np.bincount(place[here], minlength=n)
-    apart = np.unique(np.stack([place[here], node[here]], axis=1), axis=0)
-    after = np.bincount(apart[:, 0], minlength=n)
+    first, _ = _first_of_equal_rows(np.stack([place[here], node[here]], axis=1))
+    before = np.bincount(place[here], minlength=len(several))
+    after = np.bincount(place[here][first], minlength=len(several))
     many = before >= 3
-    if (after[many] >= 3).sum() > many.sum() / 2 or (
-        not many.any() and len(np.unique(part[here])) == elements and (after[before > 1] > 1).all()
-    ):
+    loose = len(np.unique(part[here])) == elements and (after[before > 1] > 1).all()
+    if (after[many] >= 3).sum() > many.sum() / 2 or (loose and not many.any()):
+        low, high = np.full((2, len(several), u.shape[1]), np.inf)
+        np.minimum.at(low, place[here], u[here])
+        np.minimum.at(high, place[here], -u[here])
+        jump = -(low + high)[several].min()
         raise ValueError(
-            f"elements share no nodes, and their displacements jump by up to {jump.max():.3g} mm from one to the next: "
+            f"elements share no nodes, and their displacements jump by up to {jump:.3g} mm from one to the next: "
             "a continuous field is needed (projected or averaged by the program that made it)"
         )
 

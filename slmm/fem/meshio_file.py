@@ -97,6 +97,13 @@ def _xdmf_series(path: Path) -> meshio.xdmf.TimeSeriesReader | None:
         return None
 
 
+def _in_words(error: BaseException) -> str:
+    """What happened, also where meshio says nothing."""
+    if isinstance(error, KeyError):
+        return f"it has, or lacks, {str(error.args[0])[:60]!r}, which meshio does not expect"
+    return f"{str(error)[:200] or 'it is damaged, or of a form that meshio does not know'} ({type(error).__name__})"
+
+
 @contextlib.contextmanager
 def _reading(path: Path) -> Iterator[io.StringIO]:
     """Make one error of all that happens to a bad file in meshio: it prints, raises anything, or exits."""
@@ -105,5 +112,5 @@ def _reading(path: Path) -> Iterator[io.StringIO]:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             yield said
     except (Exception, SystemExit) as error:
-        reason = " ".join(said.getvalue().split()) or f"{type(error).__name__}: {error}"
+        reason = " ".join(said.getvalue().split()) or _in_words(error)
         raise ValueError(f"{path}: cannot be read: {reason}") from error

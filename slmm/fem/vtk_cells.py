@@ -163,22 +163,26 @@ def cells_by_kind(
     counts = np.diff(offsets, prepend=0)
     start = offsets - counts
     found: dict[str, list[Cells]] = {}
-    for kind, count in np.unique(np.stack([types, counts], axis=1), axis=0).tolist():
+    pairs = [
+        (kind, count)
+        for kind in np.unique(types).tolist()
+        for count in np.unique(counts[types == kind]).tolist()
+    ]
+    for kind, count in pairs:
         if kind in THIN:
             continue
-        index = np.flatnonzero((types == kind) & (counts == count))
-        first = index[0]
+        number = np.flatnonzero((types == kind) & (counts == count))
         if (kind, count) not in KINDS:
             raise ValueError(
-                f"cell {first} is a {NAMES.get(kind, 'cell')} (VTK's type {kind}) of {count} nodes: known are "
+                f"cell {number[0]} is a {NAMES.get(kind, 'cell')} (VTK's type {kind}) of {count} nodes: known are "
                 f"{', '.join(sorted(set(KINDS.values())))}"
             )
         if degrees is not None and kind in LAGRANGE:
-            _check_degrees(kind, count, degrees[index], int(first))
-        nodes = connectivity[start[index][:, None] + np.arange(count)]
+            _check_degrees(kind, count, degrees[number], int(number[0]))
+        nodes = connectivity[start[number][:, None] + np.arange(count)]
         order = ORDERS.get(kind) or (FORMER.get((kind, count)) if former else None)
         nodes = nodes if order is None else nodes[:, order]
-        found.setdefault(KINDS[kind, count], []).append(Cells(nodes, index))
+        found.setdefault(KINDS[kind, count], []).append(Cells(nodes, number))
     return {
         name: Cells(
             np.concatenate([own.nodes for own in cells]), np.concatenate([own.number for own in cells])

@@ -132,6 +132,7 @@ def _piece(piece: Element, encoding: Encoding, former: bool) -> FileMesh:
     arrays = piece.findall("Points/DataArray")
     if len(arrays) != 1:
         raise ValueError(f"a piece has {len(arrays)} arrays of points: must be one")
+    arrays[0].attrib.setdefault("Name", "Points")
     points = np.asarray(read_array(arrays[0], encoding, n_points), dtype=float)
     if n_points == 0:
         points = points.reshape(0, 3)
