@@ -78,6 +78,12 @@ def initiation(
             f"the methods {', '.join(ON_DISPLACEMENTS)}.",
         ),
     ] = None,
+    field: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Which nodal data of --displacements they are, where names do not tell."
+        ),
+    ] = None,
     average: Annotated[
         bool | None,
         typer.Option("--average", help="Compare the mean stress over the crack with the strength."),
@@ -123,6 +129,7 @@ def initiation(
                 tolerance=tolerance,
                 displacements=displacements,
                 progress=progress,
+                field=field,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
@@ -132,7 +139,12 @@ def initiation(
                 progress(1.0, "picture")
                 from slmm.plot import plot_initiation
 
-                figure = plot_initiation(scene, result, displacements)
+                model: object = displacements
+                if displacements is not None and field is not None:
+                    from slmm.fem.results import read_displacements
+
+                    model = read_displacements(displacements, field=field)
+                figure = plot_initiation(scene, result, model)
                 with whole_file(plot) as unfinished:
                     figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
         from slmm import summary
@@ -166,6 +178,10 @@ def forces(
         ),
     ] = None,
     step: Annotated[int, typer.Option(help="Which step of the file, from 0; from the end if negative.")] = -1,
+    field: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Which nodal data are the displacements, where names do not tell."),
+    ] = None,
     young: Annotated[
         float | None,
         typer.Option(metavar="E", help="Young's modulus, MPa: stresses follow from the displacements."),
@@ -215,7 +231,7 @@ def forces(
             if young is not None and poisson is not None:
                 elasticity = Elasticity(young, poisson, "plane stress" if plane_stress else "plane strain")
             results = read_element_results(
-                result_file, step, elasticity, method=method, reduced=reduced, thickness=thickness, inp=inp
+                result_file, step, elasticity, method, reduced, thickness, inp, field
             )
             progress(0.4, "forces")
             found = nodal_configurational_forces(

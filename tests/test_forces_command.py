@@ -35,6 +35,41 @@ def test_table_and_sentence_of_the_crack_tip():
     assert "runs on at 0.0 degrees (MERR)" in result.stdout or "runs on at -0.0 degrees" in result.stdout
 
 
+CASES = Path(__file__).parents[2] / "shared" / "cases"
+
+
+@pytest.mark.parametrize(
+    ("case", "found"),
+    [
+        ("03-vtu-two-pieces/two.vtu", "6 nodes, 2 CPE4;"),
+        ("04-vtu-22-lagrange/version22.vtu", "4 nodes, 1 CPE4;"),
+        ("04-vtu-22-lagrange/lagrange4.vtu", "4 nodes, 1 CPE4;"),
+        ("08-displacement-names/aster.vtu", "736 nodes, 224 CPE8;"),
+        ("08-displacement-names/moose.e", "9 nodes, 4 CPE4;"),
+        ("16-lz4/lz4.vtu", "736 nodes, 224 CPE8;"),
+        ("17-pvtu/p.pvtu", "4 nodes, 1 CPE4;"),
+        ("18-unshared-nodes/dg.vtu", "1301 nodes, 400 CPE8;"),
+        ("19-pixel-voxel/pixel.vtu", "4 nodes, 1 CPE4;"),
+        ("19-pixel-voxel/voxel.vtu", "8 nodes, 1 C3D8;"),
+        ("22-quad9-forces/e_quad9.vtu", "9 nodes, 1 QUAD9;"),
+    ],
+)
+def test_files_of_other_programs_are_read_whole(case, found):
+    result = run(CASES / case, "--young", 210e3, "--poisson", 0.3)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.startswith(found)
+    if "18" in case:
+        assert "Tip 0 at (20, 20) mm: G = 23.68" in result.stdout
+
+
+@pytest.mark.parametrize("name", ["m", "m_negative", "m_offsets", "m_type999"])
+def test_numbers_that_are_none_are_refused(name):
+    path = CASES / "r05-vtu-index-out-of-range" / f"{name}.vtu"
+    result = run(path, "--young", 3000, "--poisson", 0.3)
+    assert result.exit_code == 2 and result.stdout == ""
+    assert f"{name}.vtu: " in result.stderr.replace("\n", "")
+
+
 def test_json_has_all_contours_in_plain_numbers():
     result = run(EDGE_CRACK, "--json", "--contours", 3)
     content = json.loads(result.stdout, parse_constant=pytest.fail)

@@ -84,6 +84,7 @@ def failure_indices(
     tolerance: float | None = None,
     displacements: Any = None,
     progress: Progress = lambda fraction, text: None,
+    field: str | None = None,
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
@@ -118,6 +119,8 @@ def failure_indices(
         only the kind counts, which tells how the plate's edges are held.
     progress : callable
         Called with the finished fraction and what is being done.
+    field : str, optional
+        Which nodal data of a file of displacements they are, see `slmm.fem.results.read_displacements`.
 
     Returns
     -------
@@ -157,7 +160,9 @@ def failure_indices(
     spread = analysis.positions if positions is None else positions
     refined = (positions is not None or analysis.points is None) and spread >= FEW and settings != PUBLISHED
     where = find_positions(scene, positions)
-    given = None if displacements is None else _given(displacements, method, scene, where)
+    if displacements is None and field is not None:
+        raise ValueError(f"field = {field!r}: belongs to displacements from a file, and none is given")
+    given = None if displacements is None else _given(displacements, method, scene, where, field)
     task = Task(
         scene,
         where,
@@ -210,14 +215,14 @@ def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> 
     return task, answer
 
 
-def _given(displacements: Any, method: str, scene: Scene, where: Positions) -> GivenField:
+def _given(displacements: Any, method: str, scene: Scene, where: Positions, field: str | None) -> GivenField:
     if method not in ON_DISPLACEMENTS:
         raise ValueError(
             f"method = {method!r}: takes no displacements; those that do are {', '.join(ON_DISPLACEMENTS)}"
         )
     from slmm.initiation.given_field import given_field  # imports the readers of result files
 
-    return given_field(displacements, scene, where)
+    return given_field(displacements, scene, where, field)
 
 
 def _irwin_length_limit(scene: Scene, answer: Answer) -> np.ndarray:
