@@ -2,12 +2,13 @@
 
 A weight q is 1 at the tip, falls to 0 at a radius R and moves the material with it. The energy that this releases is
 
-    J = - sum over nodes of  q CF  +  integral over both crack faces of  q e n dS,
+    J_k = - sum over nodes of  q CF_k  +  integral over both crack faces of  q (e n_k - t . du/dX_k) dS,
 
-the domain form of thesis Eq. 3.14 and 3.15: CF are the nodal configurational forces, n the outward normal, and a face
-without traction has nothing but its energy density e. Along a straight crack the second term vanishes; across it, it
-must not be left out where K_II and a stress parallel to the crack meet (Schmitz and Ricoeur). The stress intensities
-follow from the interaction of the field with that of K_I = 1 or K_II = 1 (Stern, Becker and Dunham 1976).
+the domain form of thesis Eq. 3.14 and 3.15: CF are the nodal configurational forces, n the outward normal, e the energy
+density and t the traction. Along a straight crack the energy's term vanishes; across it, it must not be left out where
+K_II and a stress parallel to the crack meet (Schmitz and Ricoeur). The traction's term, and the same one in the
+interaction integral, is that of `slmm.fracture.face_traction`. The stress intensities follow from the interaction of
+the field with that of K_I = 1 or K_II = 1 (Stern, Becker and Dunham 1976).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.element_results import ElementResults
 from slmm.fem.elements import element_named
+from slmm.fracture.face_traction import LoadedFace, edge_shape, traction_in_interaction, traction_in_j
 from slmm.fracture.tip_field import tip_gradients
 from slmm.fracture.tips import CrackTip
 
@@ -41,7 +43,12 @@ def weight(distance: np.ndarray, radius: float) -> np.ndarray:
 
 
 def j_vector(
-    results: ElementResults, forces: np.ndarray, tip: CrackTip, radius: float, elasticity: Elasticity | None
+    results: ElementResults,
+    forces: np.ndarray,
+    tip: CrackTip,
+    radius: float,
+    elasticity: Elasticity | None,
+    faces: tuple[LoadedFace, LoadedFace] | None = None,
 ) -> np.ndarray:
     """J (2,) along the crack's direction and left of it, N/mm.
 
@@ -55,6 +62,8 @@ def j_vector(
         Of the domain, mm, at most ``tip.clear``.
     elasticity : Elasticity or None
         Of the material at the tip. Without it the energy at the faces is not known, nor the second component: NaN.
+    faces : pair of LoadedFace, optional
+        From `slmm.fracture.face_traction.loaded_faces`; by default free of traction.
 
     Raises
     ------
@@ -65,7 +74,7 @@ def j_vector(
     q = weight(np.linalg.norm(results.points - tip.position, axis=1), radius)
     J = -(q @ forces) @ tip.axes.T / results.thickness
     J[1] = np.nan if elasticity is None else J[1] + face_term(results, tip, radius, elasticity)
-    return J
+    return J if faces is None else J + traction_in_j(faces, q, elasticity, results.method == "mbf")
 
 
 def _check_clear(tip: CrackTip, radius: float) -> None:
@@ -79,10 +88,9 @@ def _check_clear(tip: CrackTip, radius: float) -> None:
 def face_term(results: ElementResults, tip: CrackTip, radius: float, elasticity: Elasticity) -> float:
     """What the energy of the crack faces adds to J left of the direction, N/mm.
 
-    Without traction the energy density is E'/2 times the square of the strain along the face; of its part alike on
-    both faces and its opposite part, the product alone makes a difference. Next to the tip the finite elements'
-    strain is not good enough: there the series that fits it further out takes its place, T + C r + ... and
-    a/sqrt(r) + b sqrt(r) + ...
+    The strain along the face has the energy density E'/2 times its square; of its part alike on both faces and its
+    opposite part, the product alone makes a difference. Next to the tip the finite elements' strain is not good enough:
+    there the series that fits it further out takes its place, T + C r + ... and a/sqrt(r) + b sqrt(r) + ...
     """
     r, ds, alike, opposite = _face_strains(results, tip)
     middle = r.mean(axis=1)
@@ -126,12 +134,7 @@ def _face_strains(
     along = tip.axes[0]
     quadratic = tip.upper.shape[1] == 3
     x, w = QUADRATIC if quadratic else LINEAR
-    t = x[:, None]
-    if quadratic:
-        shape = np.hstack([t * (t - 1) / 2, t * (t + 1) / 2, 1 - t**2])
-        slope = np.hstack([t - 0.5, t + 0.5, -2 * t])
-    else:
-        shape, slope = np.hstack([1 - t, 1 + t]) / 2, np.array([[-0.5, 0.5]])
+    shape, slope = edge_shape(tip.upper.shape[1], x)
     # s grows outwards from the tip, against the crack's direction
     s = -(results.points[tip.upper] - tip.position) @ along
     strain = []
@@ -142,7 +145,11 @@ def _face_strains(
 
 
 def stress_intensities(
-    results: ElementResults, tip: CrackTip, radius: float, elasticity: Elasticity
+    results: ElementResults,
+    tip: CrackTip,
+    radius: float,
+    elasticity: Elasticity,
+    faces: tuple[LoadedFace, LoadedFace] | None = None,
 ) -> np.ndarray:
     """K_I and K_II (2,), MPa sqrt(mm), by the interaction integral.
 
@@ -150,6 +157,9 @@ def stress_intensities(
     """
     _check_clear(tip, radius)
     total = np.zeros(2)
+    if faces is not None:
+        at_nodes = weight(np.linalg.norm(results.points - tip.position, axis=1), radius)
+        total += traction_in_interaction(faces, at_nodes, elasticity)
     for name, nodes in results.cells.items():
         q = weight(np.linalg.norm(results.points[nodes] - tip.position, axis=-1), radius)
         # where the weight is constant nothing is added

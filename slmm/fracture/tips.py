@@ -15,7 +15,7 @@ import shapely
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from slmm.fem.elements import element_named
+from slmm.fem.boundary_edges import boundary_edges
 from slmm.fem.neighbourhood import interface_nodes
 
 #: nodes closer than this share of the shortest boundary edge lie on each other
@@ -88,7 +88,7 @@ def find_crack_tips(
     ([0.0, 0.0], 0.0, [[4, 9]], [[4, 3]], 1.0)
     """
     points = np.asarray(points, dtype=float)
-    edges = _boundary_edges(points, cells)
+    edges = boundary_edges(points, cells)
     place = _places(points, edges)
     pair = np.sort(place[edges[:, :2]], axis=1)
     _, of_pair, count = np.unique(pair, axis=0, return_inverse=True, return_counts=True)
@@ -102,23 +102,6 @@ def find_crack_tips(
     if region is not None and len(between := interface_nodes(cells, region)):
         obstacles.append(np.repeat(points[between][:, None], 2, axis=1))
     return [_tip(points, place, faces, np.concatenate(obstacles), at) for at in tips]
-
-
-def _boundary_edges(points: np.ndarray, cells: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Edges (e, 3) of one element only, the material on their left; without a middle node the last is -1."""
-    found = []
-    for name, nodes in cells.items():
-        edges = np.asarray(nodes)[:, element_named(name).edges].reshape(
-            -1, element_named(name).edges.shape[1]
-        )
-        found.append(np.pad(edges, ((0, 0), (0, 3 - edges.shape[1])), constant_values=-1))
-    edges = np.concatenate(found)
-    # collapsed elements have edges without length
-    edges = edges[np.any(points[edges[:, 0]] != points[edges[:, 1]], axis=1)]
-    _, of_edge, count = np.unique(
-        np.sort(edges[:, :2], axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    return edges[count[of_edge.ravel()] == 1]
 
 
 def _places(points: np.ndarray, edges: np.ndarray) -> np.ndarray:
