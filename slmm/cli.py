@@ -6,6 +6,7 @@ Libraries that take long to import are imported where they are needed, so that h
 from __future__ import annotations
 
 import json
+import math
 import shlex
 import sys
 from pathlib import Path
@@ -191,6 +192,14 @@ def forces(
             "second one for a quarter. All results are those of the whole part.",
         ),
     ] = None,
+    tip: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="X,Y[,ANGLE]",
+            help="A crack tip that is not found by itself, mm, as of a narrow notch; with the direction in which it "
+            "points, degrees, if it is not the middle between the faces. May be given several times.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="OUT.vtu", help="Write mesh and nodal forces for ParaView."),
@@ -207,6 +216,7 @@ def forces(
         check_no_input([result_file, inp], {"-o": output, "--plot": plot})
         if (young is None) != (poisson is None):
             raise ValueError("--young and --poisson belong together: give both, or none")
+        tips = [_tip_place(text) for text in tip or ()]
         with progress_bar() as progress, word_on_compilation():
             progress(0.0, "reading")
             from slmm.configurational_forces import nodal_configurational_forces
@@ -233,7 +243,7 @@ def forces(
             progress(0.6, "crack tips")
             loading = None
             if results.dimension == 2:
-                loading = crack_tip_loading(results, contours, found, symmetry or ())
+                loading = crack_tip_loading(results, contours, found, symmetry or (), tips)
             if output is not None:
                 with whole_file(output) as unfinished:
                     write_vtu(unfinished, whole, found)
@@ -351,6 +361,17 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
     out.print(table)
     for k in range(len(records)):
         out.print(tip_sentence(loading, k), soft_wrap=True, markup=False)
+
+
+def _tip_place(text: str) -> list[float]:
+    """What --tip says: x, y and perhaps an angle."""
+    try:
+        place = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        place = []
+    if len(place) not in (2, 3) or not all(map(math.isfinite, place)):
+        raise ValueError(f"--tip {text}: must be X,Y in mm, or X,Y,ANGLE with the direction in degrees")
+    return place
 
 
 def _text(value: float | None, digits: str) -> str:

@@ -32,6 +32,8 @@ TIP_EDGES, FIT_EDGES = 3, 4
 FIT_SHARE = 0.5
 #: powers of the distance in the strain along the faces: in the part that both have alike, and in the opposite part
 ALIKE, OPPOSITE = np.arange(3), np.arange(4) - 0.5
+#: steps that find a place on an edge whose middle node is not in its middle, at a quarter at the worst
+NEWTON = 6
 #: Gauss points per edge of the faces: where quadratic elements' strains are most accurate, and of linear ones
 X_SERIES, W_SERIES = np.polynomial.legendre.leggauss(16)
 QUADRATIC, LINEAR = np.polynomial.legendre.leggauss(2), np.polynomial.legendre.leggauss(1)
@@ -132,16 +134,29 @@ def _face_strains(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """At Gauss points (e, g) of the faces: distance from the tip, length, strain alike on both faces, and opposite."""
     along = tip.axes[0]
-    quadratic = tip.upper.shape[1] == 3
-    x, w = QUADRATIC if quadratic else LINEAR
+    x, w = QUADRATIC if tip.upper.shape[1] == 3 else LINEAR
     shape, slope = edge_shape(tip.upper.shape[1], x)
     # s grows outwards from the tip, against the crack's direction
-    s = -(results.points[tip.upper] - tip.position) @ along
-    strain = []
-    for face in (tip.upper, tip.lower):
-        strain.append(-(results.u[face] @ along) @ slope.T / (s @ slope.T))
-    upper, lower = strain
-    return s @ shape.T, (s @ slope.T) * w, (upper + lower) / 2, (upper - lower) / 2
+    s, u = -(results.points[tip.upper] - tip.position) @ along, -results.u[tip.upper] @ along
+    r, ds = s @ shape.T, s @ slope.T
+    upper = (u @ slope.T) / ds
+    lower = _strain_at(
+        r.ravel(), *(-(a[tip.lower]) @ along for a in (results.points - tip.position, results.u))
+    )
+    lower = lower.reshape(r.shape)
+    return r, ds * w, (upper + lower) / 2, (upper - lower) / 2
+
+
+def _strain_at(r: np.ndarray, s: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Strain along a face at distances r (k,) from the tip, of edges whose nodes (e, 2 or 3) are at s and move by u."""
+    edge = np.clip(np.searchsorted(s[:, 1], r), 0, len(s) - 1)
+    s, u = s[edge], u[edge]
+    t = 2 * (r - s[:, 0]) / (s[:, 1] - s[:, 0]) - 1
+    for _ in range(NEWTON if s.shape[1] == 3 else 0):
+        shape, slope = edge_shape(3, t)
+        t = np.clip(t - ((s * shape).sum(axis=1) - r) / (s * slope).sum(axis=1), -1.0, 1.0)
+    slope = edge_shape(s.shape[1], t)[1]
+    return (u * slope).sum(axis=1) / (s * slope).sum(axis=1)
 
 
 def stress_intensities(

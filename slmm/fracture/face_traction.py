@@ -51,6 +51,8 @@ class LoadedFace:
         Lengths, mm.
     slope : ndarray (e, g, 2)
         Derivative of the displacement along the crack's direction.
+    n_1 : ndarray (e, g)
+        Component along the crack's direction of the outward normal: 0 unless the faces open.
     traction : ndarray (e, g, 2)
         MPa.
     """
@@ -61,6 +63,7 @@ class LoadedFace:
     X: np.ndarray
     dS: np.ndarray
     slope: np.ndarray
+    n_1: np.ndarray
     traction: np.ndarray
 
     def integral(self, q: np.ndarray, density: np.ndarray) -> np.ndarray:
@@ -125,7 +128,8 @@ def _face(
     t = (1 + _X) / 2
     shape[0], derivative[0] = edge_shape(count, 2 * t**2 - 1)
     weight[0] = 2 * t * _W
-    length = np.linalg.norm(np.einsum("egk,eki->egi", derivative, X), axis=-1)
+    outwards = np.einsum("egk,eki->egi", derivative, X)
+    length = np.linalg.norm(outwards, axis=-1)
     dS = length * weight
     # outwards from the tip is against the crack's direction
     slope = -np.einsum("egk,eki->egi", derivative, u) / length[..., None]
@@ -139,6 +143,7 @@ def _face(
         np.einsum("egk,eki->egi", shape, X),
         dS,
         slope,
+        -side * outwards[..., 1] / length,
         np.einsum("egk,eki->egi", shape, traction),
     )
 
@@ -183,7 +188,7 @@ def _inferred(distance: np.ndarray, traction: np.ndarray, spoilt: int) -> np.nda
 def traction_in_j(
     faces: tuple[LoadedFace, LoadedFace], q: np.ndarray, elasticity: Elasticity | None, moves: bool = False
 ) -> np.ndarray:
-    """What the traction adds to J (2,) along the crack and left of it, N/mm.
+    """What the traction, and faces that open, add to J (2,) along the crack and left of it, N/mm.
 
     Parameters
     ----------
@@ -218,6 +223,8 @@ def traction_in_j(
             axis=-1,
         )
         energy = (normal**2 / stiff + shear**2 / elasticity.mu) / 2
+        of_strain = elasticity.E_prime * face.slope[..., 0] ** 2 / 2
+        J[0] += face.integral(q, face.n_1 * (energy + of_strain))
         J[1] -= face.integral(q, (t * across).sum(axis=-1) + face.side * energy)
     return J
 

@@ -41,8 +41,9 @@ RESOLVED = 1e-3
 
 OK = "ok"
 NO_TIP = (
-    "No crack tip: no two faces that lie on each other end inside the material. Of a half or quarter model, --symmetry "
-    "x or y finds the tip on its line of symmetry."
+    "No crack tip: nowhere inside the material do two faces of the boundary end that are straight and no farther apart "
+    "than 1 % of their length. Of a half or quarter model, --symmetry x or y finds the tip on its line of symmetry; "
+    "--tip X,Y names one, as of a narrow notch."
 )
 DIFFER = (
     "contours differ by {:.2g} %: body forces, thermal strains, a tip too near an edge or a mesh too coarse?"
@@ -79,11 +80,13 @@ def crack_tip_loading(
     contours: int = 5,
     forces: np.ndarray | None = None,
     symmetry: Sequence[str] = (),
+    tips: Sequence[Sequence[float]] = (),
 ) -> xr.Dataset:
     """What drives each crack tip of a plane model, and where it would run.
 
-    Tips are found in the mesh: where two faces that lie on each other end (`slmm.fracture.tips`). The contours'
-    radii grow to what is clear around the tip; that they agree is the check of path independence.
+    Tips are found in the mesh: where the boundary turns back and its two faces run on side by side, no farther apart
+    than 1 % of their length (`slmm.fracture.tips`). The contours' radii grow to what is clear around the tip; that they
+    agree is the check of path independence.
 
     Parameters
     ----------
@@ -96,6 +99,8 @@ def crack_tip_loading(
     symmetry : sequence of str
         Lines of symmetry of a half or quarter model, as in `slmm.fracture.symmetry.whole_part`: "y" where u_y = 0.
         G, J, K and the contours are then those of the whole part, at the tips that the model has itself.
+    tips : sequence of (x, y) or (x, y, angle)
+        Places of tips that are not found by themselves, as in `slmm.fracture.tips.find_crack_tips`.
 
     Returns
     -------
@@ -109,7 +114,7 @@ def crack_tip_loading(
     Raises
     ------
     ValueError
-        For a model in space, less than one contour, or a line that is none of symmetry.
+        For a model in space, less than one contour, a line that is none of symmetry, a place that is no tip.
 
     Examples
     --------
@@ -131,14 +136,14 @@ def crack_tip_loading(
             results.points, results.cells, results.u, results.stress, results.energy, results.method,
             results.thickness,
         )  # fmt: skip
-    found = find_crack_tips(results.points, results.cells, results.region)
+    found = find_crack_tips(results.points, results.cells, results.region, tips)
     # those of an image say the same again
-    tips = [tip for tip in found if tip.nodes.min() < given]
-    sizes = {"tip": len(tips), "contour": contours, "criterion": len(CRITERIA)}
+    own = [tip for tip in found if tip.nodes.min() < given]
+    sizes = {"tip": len(own), "contour": contours, "criterion": len(CRITERIA)}
     values = {name: np.full([sizes[d] for d in dims], np.nan) for name, (dims, _, _) in _VARIABLES.items()}
     # J is of the strains of the model, K of small ones
     internal = (nodal_internal_forces(results), nodal_internal_forces(replace(results, method="linear")))
-    status = [_fill(values, k, results, forces, internal, tip) for k, tip in enumerate(tips)]
+    status = [_fill(values, k, results, forces, internal, tip) for k, tip in enumerate(own)]
     data = {
         name: (dims, values[name], {"units": units, "long_name": text})
         for name, (dims, units, text) in _VARIABLES.items()
@@ -152,7 +157,7 @@ def crack_tip_loading(
             "stresses": results.source,
             "method": results.method,
             "symmetry": ", ".join(symmetry),
-            "remark": _remark(results, len(tips)),
+            "remark": _remark(results, len(own)),
         },
     )
 
