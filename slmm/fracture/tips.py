@@ -107,9 +107,15 @@ def find_crack_tips(
     tips: list[CrackTip] = []
     for last, first in _turning_back(points, chain):
         # where another part of the boundary meets it is no end inside the material
-        if leaving[chain.place[chain.edges[first, 0]]] == 1:
-            tip = _tip(points, chain, others, last, first, NARROW, GAP)
-            tips += [tip] if tip is not None else []
+        if leaving[chain.place[chain.edges[first, 0]]] != 1:
+            continue
+        tip = _tip(points, chain, others, last, first, NARROW, GAP)
+        if tip is None:
+            continue
+        # an end may be a node, or blunt with the edges next to it: that of which more is clear
+        same = [k for k, other in enumerate(tips) if np.isin(other.nodes, tip.nodes).any()]
+        if all(tip.clear > tips[k].clear for k in same):
+            tips = [other for k, other in enumerate(tips) if k not in same] + [tip]
     tips.sort(key=lambda tip: int(chain.place[tip.nodes].min()))
     for place in given:
         here = _given_tip(points, chain, others, place)
@@ -125,10 +131,10 @@ def _turning_back(points: np.ndarray, chain: BoundaryChain) -> Iterator[tuple[in
         turned, between = chain.turn[last], 0.0
         first, longest = int(chain.after[last]), None
         for _ in range(END_EDGES):
-            if turned <= -(np.pi - NARROW):
-                if turned > -(np.pi + NARROW):
-                    yield int(last), first
+            if turned < -(np.pi + NARROW):
                 break
+            if turned <= -(np.pi - NARROW):
+                yield int(last), first
             if longest is None:
                 run = _face(points, chain, int(last), chain.before, 0.0)
                 longest = END * sum(length[k] for k in run)
@@ -183,8 +189,8 @@ def _tip(
     open_here = abs(np.arctan2(a[0] * -b[1] + a[1] * b[0], -(a @ b)))
     if open_here > widest:
         return None
-    # a gap that a first wedge of edges closes: what stands off a face's line there
-    off = min(open_here, NARROW) * min(chain.length[last], chain.length[first]) / 2
+    # a gap may be closed by a wedge of the first edges: how far these stand off a face's line
+    off = min(open_here, NARROW) * min(chain.length[last], chain.length[first])
     upper = _face(points, chain, last, chain.before, off)
     lower = _face(points, chain, first, chain.after, off)
     ends = points[chain.edges[last, 1]], points[chain.edges[first, 0]]
