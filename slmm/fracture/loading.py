@@ -49,7 +49,9 @@ DIFFER = (
     "contours differ by {:.2g} %: body forces, thermal strains, a tip too near an edge or a mesh too coarse?"
 )
 UNLOADED = "hardly loaded: G is below what the contours resolve"
-OFF_IRWIN = "G is {:.2g} % off K^2/E': not linear elastic, or of another elasticity than is given?"
+OFF_IRWIN = (
+    "G is {:.2g} % off K^2/E': not linear elastic, another elasticity than is given, or a mesh too coarse?"
+)
 NO_ELASTICITY = "no linear elasticity is known here: K_I, K_II, kinks and J across the crack need it"
 TOO_COARSE = "fewer than {} edges of elements between the tip and what lies next to it: mesh too coarse"
 CLOSED = "K_I is negative: the faces would overlap"
