@@ -6,6 +6,7 @@ Libraries that take long to import are imported where they are needed, so that h
 from __future__ import annotations
 
 import json
+import math
 import shlex
 import sys
 from pathlib import Path
@@ -202,6 +203,22 @@ def forces(
         float | None, typer.Option(help="Of plane models, mm; else what the .inp file says, or 1.")
     ] = None,
     contours: Annotated[int, typer.Option(min=1, help="Number of domains around each crack tip.")] = 5,
+    symmetry: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="x|y",
+            help="Half model: the direction in which nothing moves on its line of symmetry, or that line, as y=20; a "
+            "second one for a quarter. All results are those of the whole part.",
+        ),
+    ] = None,
+    tip: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="X,Y[,ANGLE]",
+            help="A crack tip that is not found by itself, mm, as of a narrow notch; with the direction in which it "
+            "points, degrees, if it is not the middle between the faces. May be given several times.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="OUT.vtu", help="Write mesh and nodal forces for ParaView."),
@@ -218,6 +235,7 @@ def forces(
         check_no_input([result_file, inp], {"-o": output, "--plot": plot})
         if (young is None) != (poisson is None):
             raise ValueError("--young and --poisson belong together: give both, or none")
+        tips = [_tip_place(text) for text in tip or ()]
         with progress_bar() as progress, word_on_compilation():
             progress(0.0, "reading")
             from slmm.configurational_forces import nodal_configurational_forces
@@ -225,6 +243,7 @@ def forces(
             from slmm.fem.read_results import read_element_results
             from slmm.fem.vtu import write_vtu
             from slmm.fracture.loading import crack_tip_loading
+            from slmm.fracture.symmetry import whole_part
             from slmm.plot_forces import plot_forces
 
             elasticity = None
@@ -234,28 +253,30 @@ def forces(
                 result_file, step, elasticity, method, reduced, thickness, inp, field
             )
             progress(0.4, "forces")
+            whole = whole_part(results, symmetry or ())
             found = nodal_configurational_forces(
-                results.points, results.cells, results.u, results.stress, results.energy, results.method,
-                results.thickness,
-            )  # fmt: skip
+                whole.points, whole.cells, whole.u, whole.stress, whole.energy, whole.method, whole.thickness
+            )
             if plot is not None and results.dimension != 2:
                 raise ValueError(f"--plot {plot}: pictures are drawn of plane models; -o writes a .vtu file")
             progress(0.6, "crack tips")
-            loading = crack_tip_loading(results, contours, found) if results.dimension == 2 else None
+            loading = None
+            if results.dimension == 2:
+                loading = crack_tip_loading(results, contours, found, symmetry or (), tips)
             if output is not None:
                 with whole_file(output) as unfinished:
-                    write_vtu(unfinished, results, found)
+                    write_vtu(unfinished, whole, found)
             if plot is not None and loading is not None:
                 progress(0.8, "picture")
-                figure = plot_forces(results, found, loading)
+                figure = plot_forces(whole, found, loading)
                 with whole_file(plot) as unfinished:
                     figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
         from slmm import tip_summary
 
         if as_json:
-            print(tip_summary.as_json(results, found, loading))
+            print(tip_summary.as_json(whole, found, loading))
         else:
-            _print_forces(results, found, loading)
+            _print_forces(whole, found, loading)
 
 
 @app.command()
@@ -319,9 +340,12 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
 
     out = console()
     elements = ", ".join(f"{len(nodes)} {name}" for name, nodes in results.cells.items())
+    image = loading.attrs["symmetry"] if loading is not None else ""
     out.print(
-        f"{len(results.points)} nodes, {elements}; stresses from {results.source}; method {results.method}.",
+        f"{len(results.points)} nodes, {elements}; stresses from {results.source}; method {results.method}"
+        f"{f'; with the image by symmetry {image}' if image else ''}.",
         soft_wrap=True,
+        markup=False,
     )
     if (force := interface_force(results, forces)) is not None:
         vector = ", ".join(f"{component:.5g}" for component in force)
@@ -331,10 +355,9 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
             "Crack tips are looked for in plane models only; -o writes the nodal forces.", soft_wrap=True
         )
         return
+    if remark := loading.attrs["remark"]:
+        out.print(remark, soft_wrap=True, markup=False)
     if not loading.sizes["tip"]:
-        out.print(
-            "No crack tip: no two faces that lie on each other end inside the material.", soft_wrap=True
-        )
         return
     columns = {
         "x": ".2f",
@@ -362,6 +385,17 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
     out.print(table)
     for k in range(len(records)):
         out.print(tip_sentence(loading, k), soft_wrap=True, markup=False)
+
+
+def _tip_place(text: str) -> list[float]:
+    """What --tip says: x, y and perhaps an angle."""
+    try:
+        place = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        place = []
+    if len(place) not in (2, 3) or not all(map(math.isfinite, place)):
+        raise ValueError(f"--tip {text}: must be X,Y in mm, or X,Y,ANGLE with the direction in degrees")
+    return place
 
 
 def _text(value: float | None, digits: str) -> str:

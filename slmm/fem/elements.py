@@ -65,6 +65,17 @@ class Element:
         """Derivatives (ips, n, d) at the integration points."""
         return np.ascontiguousarray(self.gradient(self.points))
 
+    @cached_property
+    def turned(self) -> tuple[np.ndarray, np.ndarray]:
+        """Order of the nodes (n,) and of the points (ips,) of the element that runs the other way round."""
+        # exchanging the first two coordinates maps each of the reference elements on itself
+        exchanged = [1, 0, *range(2, self.dimension)]
+        nodes, points = (
+            np.linalg.norm(at[:, exchanged][:, None] - at, axis=2).argmin(axis=1)
+            for at in (self.nodes, self.points)
+        )
+        return nodes, points
+
     @property
     def edges(self) -> np.ndarray:
         """Nodes (corners, 2 or 3) of a plane element's edges, anticlockwise: start, end and, if there is, middle."""
