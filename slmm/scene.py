@@ -219,7 +219,7 @@ class PointsHole(Table):
         problems = point_problems(points.reshape(-1, 2))
         if problems:
             raise ValueError("; ".join(problems))
-        return [Outline.through(points)]
+        return [Outline.through(without_repetition(points))]
 
 
 class ImageHole(Table):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.optimize import brentq
 from scipy.spatial import cKDTree
+
+from slmm.contours.accuracy import Accuracy
 
 Array = NDArray[np.float64]
 
@@ -49,6 +51,8 @@ class Outline:
         Coefficients of x and y between the breaks, highest power first, as in `scipy.interpolate.PPoly`.
     corners : (k,) array
         Arc lengths of the corners, mm, ascending; each is one of the breaks. Empty on a smooth outline.
+    accuracy : Accuracy, optional
+        What is open about it when it was traced in a picture; None when it is exact.
 
     Examples
     --------
@@ -64,6 +68,7 @@ class Outline:
     breaks: Array
     coefficients: Array
     corners: Array = field(default_factory=lambda: _read_only(np.empty(0)))
+    accuracy: Accuracy | None = None
 
     @classmethod
     def through(cls, points: ArrayLike, smoothing: float = 0.0, wavelength: float = 0.0) -> Outline:
@@ -146,6 +151,10 @@ class Outline:
             )
         corners = breaks[first[np.abs(turns) >= SMALLEST_TURN]]
         return cls(_read_only(breaks), _read_only(coefficients), _read_only(corners))
+
+    def with_accuracy(self, accuracy: Accuracy) -> Outline:
+        """The same outline, with what is open about it."""
+        return replace(self, accuracy=accuracy)
 
     @cached_property
     def _curve(self) -> PPoly:
