@@ -285,9 +285,10 @@ def _flank(points: Array, closed: bool, i: int, side: int, gap: float, deviation
         if number > room + 1:
             break
         flank = _fitted(points[_at(start + side * np.arange(number), n, closed)], deviation, length)
-        if flank is None:
+        if flank is not None:
+            best = flank
+        elif length >= SHORTEST_PARABOLA:
             break
-        best = flank
     return best
 
 

@@ -17,6 +17,7 @@ from slmm.initiation.by_stress import METHODS as STRESS_METHODS
 from slmm.initiation.by_stress import by_stress
 from slmm.initiation.criterion import GOVERNED_BY
 from slmm.initiation.meta_model import shipped_database
+from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.positions import Positions, find_positions
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
@@ -160,6 +161,8 @@ def failure_indices(
         progress,
     )
     answer = METHODS[method](task)
+    # behind the method, which need not be dearer for what the picture of the notch leaves open
+    add_outline_error(task, answer)
     answer.provenance = {"method": method} | answer.provenance
     if given is not None:
         answer.provenance["displacements"] = given.source
@@ -198,6 +201,7 @@ _UNITS = {
     "curvature": ("1/mm", "curvature c of the parabola eta = c xi^2"),
     "failure_index": ("1", "failure index FI = 1/load_factor"),
     "failure_index_error": ("1", "estimated error of the failure index"),
+    "outline_error": ("1", "part of its relative error that the picture of the notch leaves open"),
     "load_factor": ("1", "factor on the load at which a crack starts"),
     "crack_length": ("mm", "length with which the crack starts"),
     "governed_by": ("1", "condition that decides the load"),
