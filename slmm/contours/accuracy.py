@@ -27,8 +27,9 @@ class Accuracy:
         Of these waves, mm: into the material they decay over a sixth of it.
     tips : (k, 2) array
         Corners and roots of tight bends, mm, with the following at each of them.
-    turns : (k,) array
-        Angle by which the outline turns there, rad; positive where it bulges into the material.
+    turns, spreads : (k,) array
+        Angle by which the outline turns there, rad, positive where it bulges into the material; and its standard
+        deviation.
     radii : (k, 3) array
         Radius as it is in the outline (0: a corner), the least and the largest that the picture allows, mm.
     """
@@ -39,12 +40,13 @@ class Accuracy:
     wavelength: Array
     tips: Array
     turns: Array
+    spreads: Array
     radii: Array
 
     @classmethod
     def of_all(cls, parts: Sequence[Accuracy]) -> Accuracy:
         """What several outlines leave open together."""
-        names = ("points", "stress", "wavelength", "tips", "turns", "radii")
+        names = ("points", "stress", "wavelength", "tips", "turns", "spreads", "radii")
         return cls(
             max(part.offset for part in parts),
             *(np.concatenate([getattr(part, name) for part in parts]) for name in names),

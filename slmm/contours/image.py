@@ -23,6 +23,7 @@ from slmm.contours.picture import (
     size_in_header,
 )
 from slmm.contours.traced import Contour, traced_outline
+from slmm.contours.vertices import Noise
 
 Array = NDArray[np.float64]
 
@@ -42,12 +43,13 @@ class Edges:
 
     blur: float  #: standard deviation of the Gaussian blur
     deviation: float  #: root mean square of the waves that remain on a straight or round edge
+    correlation: float  #: over which the points of an edge err together: stairs, as long as they are
     wavelength: float  #: of such waves on a circle of radius 1; grows with the root of the radius
     offset: float  #: by which a whole edge may be off: of stairs, a pixel may have gone to either side
 
 
-ANTIALIASED = Edges(blur=0.7, deviation=0.03, wavelength=2.0, offset=0.1)
-STAIRS = Edges(blur=1.0, deviation=0.15, wavelength=4.0, offset=0.5)
+ANTIALIASED = Edges(blur=0.7, deviation=0.03, correlation=2.0, wavelength=2.0, offset=0.1)
+STAIRS = Edges(blur=1.0, deviation=0.15, correlation=5.0, wavelength=4.0, offset=0.5)
 #: pixels by which noise of the whole contrast would move an edge after the blur (0.8), and half as much again
 #: because noise that is clipped at black and white looks smaller than it is on the grey edge
 GRAIN_TO_EDGE = 1.2
@@ -117,7 +119,7 @@ def outlines_in_picture(path: Path, pixel_size: float, width: float, height: flo
             )
         if _runs_round_light(points):
             raise ValueError(f"a loose piece of material lies within the hole at {at}; {INVERTED}")
-        known = Contour(points, deviation, blur, per_root, edges.offset)
+        known = Contour(points, Noise(deviation, edges.correlation), blur, per_root, edges.offset)
         outlines.append(traced_outline(known, columns, rows, pixel_size))
     if not outlines:
         raise ValueError("the picture shows no hole (dark = hole)")

@@ -17,9 +17,9 @@ from slmm.contours.accuracy import Accuracy
 from slmm.contours.outline import Outline
 from slmm.contours.smoothing import HELD, curvatures, smoothed, wavelengths
 from slmm.contours.vertices import (
-    CORRELATION,
     STEP,
     Flank,
+    Noise,
     Vertex,
     evenly_spaced,
     find_vertices,
@@ -38,10 +38,18 @@ BEYOND, FARTHEST_BEYOND = 1.0, 12.0
 OUTSIDE, SIMPLIFIED = 4.0, 1.0
 #: angle (rad) and distance between the points of a smooth stretch
 TURN_PER_POINT, FARTHEST, NEAREST = 0.03, 4.0, 0.2
+#: turn (rad) between neighbouring points at which even a smooth stretch is split
+SPLIT = 0.3
 #: second smoothing: so many times the wavelength; what it changes is taken for the error of the first
 SECOND = 1.4
 #: a wavelength shorter than this share of the longest is one that follows a bend
 FOLLOWS_BEND = 0.8
+#: a bend that is followed point by point with less than so many blurs as its radius is known to so many of them
+TIGHT, KNOWN = 6.0, 2.0
+#: longest waves that a straight stretch may hide
+HIDDEN = 60.0
+#: pixels over which the noise that is left in an outline hangs together
+CORRELATION = 2.0
 #: share of a stretch that the arcs at its ends may use up
 CUT = 0.45
 #: points of the arc at a tight bend
@@ -55,8 +63,8 @@ class Contour(NamedTuple):
     ----------
     points : (n, 2) array
         Of the closed contour.
-    deviation : float
-        Root mean square by which they err.
+    noise : Noise
+        By which they err.
     blur : float
         Standard deviation of the picture's blur.
     per_root : float
@@ -66,7 +74,7 @@ class Contour(NamedTuple):
     """
 
     points: Array
-    deviation: float
+    noise: Noise
     blur: float
     per_root: float
     offset: float
@@ -103,13 +111,28 @@ class Mark(NamedTuple):
     vertex: Vertex | None = None
 
 
+class Bend(NamedTuple):
+    """A corner or tight bend as it is in an outline: its root, its turn, and its radius with the bounds of that."""
+
+    root: Array
+    turn: float
+    spread: float
+    radius: float
+    least: float
+    largest: float
+
+
 class Stretch(NamedTuple):
-    """A smooth stretch: its points, two when it is straight; and samples of what waves may do to the stress there."""
+    """A smooth stretch: its points, two when it is straight.
+
+    Further samples of what waves may do to the stress there, and its tight bends.
+    """
 
     points: Array
     samples: Array
     stress: Array
     wavelength: Array
+    bends: tuple[Bend, ...] = ()
 
 
 def traced_outline(contour: Contour, width: float, height: float, pixel_size: float) -> Outline:
@@ -117,7 +140,7 @@ def traced_outline(contour: Contour, width: float, height: float, pixel_size: fl
     points = evenly_spaced(contour.points, closed=True)
     inside = _depth(points, width, height) > BORDER
     if inside.all():
-        vertices = find_vertices(points, True, contour.deviation, contour.blur)
+        vertices = find_vertices(points, True, contour.noise, contour.blur)
         marks = [_mark(vertex) for vertex in vertices]
         stretches = [
             _between(points, True, one, other, contour)
@@ -157,8 +180,8 @@ def _leaving(
     along_runs = []
     for a, b in runs:
         run = points[a:b]
-        found = [_mark(vertex) for vertex in find_vertices(run, False, contour.deviation, contour.blur)]
-        ends = [_exit(part, width, height, contour.deviation) for part in (run, run[::-1])]
+        found = [_mark(vertex) for vertex in find_vertices(run, False, contour.noise, contour.blur)]
+        ends = [_exit(part, width, height, contour.noise) for part in (run, run[::-1])]
         along_runs.append(
             [
                 Mark(0, 0.0, ends[0][0], None, ends[0][1]),
@@ -186,9 +209,9 @@ def _leaving(
     return stretches, corners
 
 
-def _exit(run: Array, width: float, height: float, deviation: float) -> tuple[Array, Flank]:
+def _exit(run: Array, width: float, height: float, noise: Noise) -> tuple[Array, Flank]:
     """Where a contour that begins near the border comes in from outside, and the flank that leads there."""
-    flank = flank_at_end(run, deviation)
+    flank = flank_at_end(run, noise)
     for u in np.arange(-STEP, -FARTHEST_BEYOND - STEP, -STEP):
         point = flank.points(np.array([u]))
         if _depth(point, width, height)[0] < -BEYOND:
@@ -206,7 +229,7 @@ def _between(points: Array, closed: bool, one: Mark, other: Mark, contour: Conto
     if end - start < 2:
         return _straight(one.point, other.point, contour)
     inner = points[(one.index + np.arange(start, end + 1)) % n]
-    if one.vertex is not other.vertex and straight_flank(inner, contour.deviation):
+    if one.vertex is not other.vertex and straight_flank(inner, contour.noise):
         return _straight(one.point, other.point, contour)
     assert one.behind is not None and other.before is not None
     head, tail = _lead(one.point, one.behind), _lead(other.point, other.before)
@@ -222,16 +245,17 @@ def _between(points: Array, closed: bool, one: Mark, other: Mark, contour: Conto
     smooth = smoothed(even, weights, straight, wanted, STEP, False)
     again = smoothed(even, weights, straight, SECOND * wanted, STEP, False)
     smooth[0], smooth[-1] = one.point, other.point  # exactly, so that the stretches meet
-    stress = _stress_of_waves(smooth, again, wanted, contour.deviation, False)
-    return Stretch(_thinned(smooth, False), smooth[::2], stress[::2], wanted[::2])
+    stress = _stress_of_waves(smooth, again, wanted, contour.noise.deviation, False)
+    bends = _tight_bends(smooth, contour.blur, False)
+    return Stretch(_thinned(smooth, False), smooth[::2], stress[::2], wanted[::2], bends)
 
 
 def _straight(start: Array, end: Array, contour: Contour) -> Stretch:
     """A straight stretch; waves of twice its length may have passed for straight."""
     length = float(np.hypot(*(end - start)))
     samples = start + np.linspace(0, 1, max(int(length), 1) + 1)[:, None] * (end - start)
-    wavelength = np.full(len(samples), max(2 * length, 4 * CORRELATION))
-    return Stretch(np.array([start, end]), samples, 2 * _slope(contour.deviation, wavelength), wavelength)
+    wavelength = np.full(len(samples), np.clip(2 * length, 4 * CORRELATION, HIDDEN))
+    return Stretch(np.array([start, end]), samples, 2 * _slope(contour.noise.deviation, wavelength), wavelength)
 
 
 def _lead(point: Array, flank: Flank) -> Array:
@@ -247,19 +271,20 @@ def _smooth_all_round(points: Array, contour: Contour, pixel_size: float) -> Out
     wanted = wavelengths(points, weights, straight, contour.per_root, contour.radius, STEP, True)
     smooth = smoothed(points, weights, straight, wanted, STEP, True)
     again = smoothed(points, weights, straight, SECOND * wanted, STEP, True)
-    stress = _stress_of_waves(smooth, again, wanted, contour.deviation, True)
-    stretch = Stretch(smooth, smooth[::2], stress[::2], wanted[::2])
+    stress = _stress_of_waves(smooth, again, wanted, contour.noise.deviation, True)
+    bends = _tight_bends(smooth, contour.blur, True)
+    stretch = Stretch(smooth, smooth[::2], stress[::2], wanted[::2], bends)
     accuracy = _accuracy([stretch], [None], [None], contour, pixel_size)
     if wanted.min() >= FOLLOWS_BEND * wanted.max():
         longest = contour.per_root * np.sqrt(contour.radius)
         outline = Outline.through(
-            contour.points * pixel_size, contour.deviation * pixel_size, longest * pixel_size
+            contour.points * pixel_size, contour.noise.deviation * pixel_size, longest * pixel_size
         )
     else:
         # the piece begins and ends where it bends least
         flattest = int(np.abs(curvatures(smooth, STEP, True)).argmin())
         ring = _thinned(np.roll(smooth, -flattest, axis=0), True)
-        outline = Outline.of_pieces([ring * pixel_size])
+        outline = Outline.of_pieces([piece * pixel_size for piece in _split_at_turns(ring)])
     return outline.with_accuracy(accuracy)
 
 
@@ -277,6 +302,16 @@ def _thinned(points: Array, closed: bool) -> Array:
     thin: Array = spline(at)
     thin[0], thin[-1] = points[0], points[-1]
     return thin
+
+
+def _split_at_turns(ring: Array) -> list[Array]:
+    """The closed points (n, 2) in pieces that end where no spline could follow."""
+    steps = np.diff(ring, axis=0)
+    before, behind = steps[:-1], steps[1:]
+    cross = before[:, 0] * behind[:, 1] - before[:, 1] * behind[:, 0]
+    sharp = 1 + np.flatnonzero(np.abs(np.arctan2(cross, (before * behind).sum(axis=1))) > SPLIT)
+    ends = np.concatenate([[0], sharp, [len(ring) - 1]])
+    return [ring[start : end + 1] for start, end in zip(ends[:-1], ends[1:], strict=True)]
 
 
 def _slope(deviation: float, wavelength: Array) -> Array:
@@ -303,6 +338,26 @@ def _stress_of_waves(smooth: Array, again: Array, wavelength: Array, deviation: 
     envelope = np.abs(hilbert(slope))[: len(across)]
     result: Array = 2 * np.hypot(_slope(deviation, wavelength), envelope)
     return result
+
+
+def _tight_bends(smooth: Array, blur: float, closed: bool) -> tuple[Bend, ...]:
+    """Bends of a smooth stretch into the material that the picture tells little about."""
+    bend = curvatures(smooth, STEP, closed)
+    tight = bend > 1 / (TIGHT * blur)
+    if tight.all():
+        return ()
+    first = int(np.argmin(tight))  # an open stretch begins with a flank
+    order = np.roll(np.arange(len(smooth)), -first if closed else 0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], tight[order], [False]]).astype(int)))
+    found = []
+    for start, end in edges.reshape(-1, 2):
+        inside = order[start:end]
+        root = inside[bend[inside].argmax()]
+        radius = float(1 / bend[root])
+        turn = min(float(bend[inside].sum() * STEP), np.pi)
+        bounds = max(radius - KNOWN * blur, 0.0), radius + KNOWN * blur
+        found.append(Bend(smooth[root], turn, 0.0, radius, *bounds))
+    return tuple(found)
 
 
 def _with_arcs(
@@ -364,17 +419,23 @@ def _accuracy(
     pixel_size: float,
 ) -> Accuracy:
     """What is open about an outline, in mm."""
-    tips = [
-        (vertex.point if root is None else root, vertex.turn, (vertex.radius, vertex.least, vertex.largest))
+    bends = [bend for stretch in stretches for bend in stretch.bends]
+    bends += [
+        Bend(
+            vertex.point if root is None else root,
+            *(vertex.turn, vertex.spread, vertex.radius, vertex.least, vertex.largest),
+        )
         for vertex, root in zip(corners, roots, strict=True)
         if vertex is not None
     ]
+    radii = [(bend.radius, bend.least, bend.largest) for bend in bends]
     return Accuracy(
         offset=contour.offset * pixel_size,
         points=np.concatenate([stretch.samples for stretch in stretches]) * pixel_size,
         stress=np.concatenate([stretch.stress for stretch in stretches]),
         wavelength=np.concatenate([stretch.wavelength for stretch in stretches]) * pixel_size,
-        tips=np.array([tip[0] for tip in tips]).reshape(-1, 2) * pixel_size,
-        turns=np.array([tip[1] for tip in tips]),
-        radii=np.array([tip[2] for tip in tips]).reshape(-1, 3) * pixel_size,
+        tips=np.array([bend.root for bend in bends]).reshape(-1, 2) * pixel_size,
+        turns=np.array([bend.turn for bend in bends]),
+        spreads=np.array([bend.spread for bend in bends]),
+        radii=np.array(radii).reshape(-1, 3) * pixel_size,
     )

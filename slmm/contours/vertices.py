@@ -9,6 +9,7 @@ All lengths are in pixels.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +28,14 @@ GAPS = (2.0, 3.5, 6.0)
 FLANKS = tuple(4.0 * 1.4**k for k in range(14))
 #: the shortest flank on which a parabola means anything
 SHORTEST_PARABOLA = 7.0
+#: vertices nearer to each other than this are one; and how far one may lie from the contour, beside its gap
+APART, AWAY = 3.0, 2.0
 #: longest flank at the end of a contour
 AT_END = 8.0
 #: by how much a flank may deviate from its parabola, in deviations of the contour
 FOLLOWS = 1.8
 #: standard deviations by which the bend of a flank must differ from zero
 BENT = 3.0
-#: points of a contour err together over this distance
-CORRELATION = 2.0
 #: a vertex bends with at most this share of its flanks' radius, and this radius: others are followed point by point
 TIGHT, LARGEST_RADIUS = 0.4, 6.0
 #: a bend that may have a larger radius than this may be a wave of the contour
@@ -51,6 +52,13 @@ BLURRED_TURN = (20.0, 45.0, 75.0, 90.0, 110.0, 130.0, 150.0, 160.0)
 BLURRED_RADIUS = (1.73, 1.78, 1.90, 2.01, 2.23, 2.65, 3.66, 5.0)
 
 
+class Noise(NamedTuple):
+    """Root mean square by which the points of a contour err, and the distance over which they err together."""
+
+    deviation: float
+    correlation: float
+
+
 @dataclass(frozen=True)
 class Vertex:
     """Where two flanks of a contour meet.
@@ -61,8 +69,9 @@ class Vertex:
         Where on the contour, in points.
     point : ndarray (2,)
         Where the flanks meet.
-    turn : float
-        Angle by which the contour turns there, rad; positive where it bulges out as a circle does.
+    turn, spread : float
+        Angle by which the contour turns there, rad, positive where it bulges out as a circle does; and its standard
+        deviation.
     radius, least, largest : float
         Radius of the arc between the flanks, 0 for a corner that may be sharp, and its bounds (two standard
         deviations).
@@ -75,6 +84,7 @@ class Vertex:
     index: int
     point: Array
     turn: float
+    spread: float
     radius: float
     least: float
     largest: float
@@ -132,7 +142,7 @@ class Flank:
         )
 
 
-def find_vertices(points: Array, closed: bool, deviation: float, blur: float) -> list[Vertex]:
+def find_vertices(points: Array, closed: bool, noise: Noise, blur: float) -> list[Vertex]:
     """Vertices of a contour, in their order.
 
     Parameters
@@ -141,19 +151,25 @@ def find_vertices(points: Array, closed: bool, deviation: float, blur: float) ->
         Of the contour, `STEP` apart.
     closed : bool
         Whether the first point follows the last one.
-    deviation : float
-        Root mean square by which they err across the contour.
+    noise : Noise
+        By which they err across the contour.
     blur : float
         Standard deviation of the Gaussian blur of the picture.
     """
-    found: list[Vertex] = []
+    possible = []
     for i in _candidates(points, closed):
-        if any(_apart(i, other.index, len(points), closed) < max(other.gap, GAPS[0]) for other in found):
-            continue
-        vertex = _vertex_at(points, closed, int(i), deviation, blur)
-        if vertex is not None and all(
-            _apart(vertex.index, other.index, len(points), closed) >= max(other.gap, GAPS[0])
-            and np.hypot(*(vertex.point - other.point)) > 1.0
+        vertex = _vertex_at(points, closed, int(i), noise, blur)
+        if vertex is not None:
+            # once more from where the flanks meet: the turn is spread over some points
+            nearest = int(np.hypot(*(points - vertex.point).T).argmin())
+            vertex = _vertex_at(points, closed, nearest, noise, blur)
+        if vertex is not None and np.hypot(*(points[vertex.index] - vertex.point)) < vertex.gap + AWAY:
+            possible.append(vertex)
+    found: list[Vertex] = []
+    for vertex in sorted(possible, key=lambda vertex: vertex.spread):
+        if all(
+            _apart(vertex.index, other.index, len(points), closed) >= max(other.gap, vertex.gap)
+            and np.hypot(*(vertex.point - other.point)) > APART
             for other in found
         ):
             found.append(vertex)
@@ -171,16 +187,16 @@ def evenly_spaced(points: Array, closed: bool) -> Array:
     return even[:-1] if closed else even
 
 
-def straight_flank(points: Array, deviation: float) -> bool:
+def straight_flank(points: Array, noise: Noise) -> bool:
     """Whether all of the points (n, 2), `STEP` apart, lie on a straight line but for their deviation."""
-    flank = _fitted(points, deviation, STEP * (len(points) - 1))
+    flank = _fitted(points, noise, STEP * (len(points) - 1))
     return flank is not None and flank.is_straight
 
 
-def flank_at_end(points: Array, deviation: float) -> Flank:
+def flank_at_end(points: Array, noise: Noise) -> Flank:
     """A short flank from the first one of the points (n, 2) on; at least a line through the first few."""
-    found = _flank(points[: round(AT_END / STEP) + 1], False, 0, 1, 0.0, deviation)
-    return found if found is not None else _line(points[: max(round(FLANKS[0] / STEP), 2)], deviation)
+    found = _flank(points[: round(AT_END / STEP) + 1], False, 0, 1, 0.0, noise)
+    return found if found is not None else _line(points[: max(round(FLANKS[0] / STEP), 2)], noise)
 
 
 def _apart(one: float, other: float, n: int, closed: bool) -> float:
@@ -213,10 +229,10 @@ def _candidates(points: Array, closed: bool) -> Array:
     return index[np.argsort(-turn[index], kind="stable")]
 
 
-def _vertex_at(points: Array, closed: bool, i: int, deviation: float, blur: float) -> Vertex | None:
+def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -> Vertex | None:
     """The vertex next to a point of the contour, None where it is smooth there."""
     for gap in GAPS:
-        flanks = [_flank(points, closed, i, side, gap, deviation) for side in (-1, 1)]
+        flanks = [_flank(points, closed, i, side, gap, noise) for side in (-1, 1)]
         if flanks[0] is None or flanks[1] is None:
             continue
         crossing = _crossing(flanks[0], flanks[1], gap)
@@ -226,7 +242,8 @@ def _vertex_at(points: Array, closed: bool, i: int, deviation: float, blur: floa
         before, behind = -flanks[0].direction(u_0), flanks[1].direction(u_1)
         turn = float(np.arctan2(before[0] * behind[1] - before[1] * behind[0], before @ behind))
         (place_0, slope_0), (place_1, slope_1) = flanks[0].spread(u_0), flanks[1].spread(u_1)
-        if abs(turn) < max(SMALLEST_TURN, CERTAIN * np.hypot(slope_0, slope_1)) or abs(turn) > 3.0:
+        of_turn = float(np.hypot(slope_0, slope_1))
+        if abs(turn) < max(SMALLEST_TURN, CERTAIN * of_turn) or abs(turn) > 3.0:
             continue
         per_square = np.tan(abs(turn) / 2) - abs(turn) / 2
         number = round(gap / STEP)
@@ -234,7 +251,7 @@ def _vertex_at(points: Array, closed: bool, i: int, deviation: float, blur: floa
         sides = [flanks[1].points(np.linspace(0, u_1, 9)), flanks[0].points(np.linspace(u_0, 0, 9))]
         cut_off = -np.sign(turn) * _area(np.concatenate([around, *sides])) - CHORDS
         spread = np.linalg.norm(
-            [place_0 * gap / 2, place_1 * gap / 2, deviation * np.sqrt(2 * gap * CORRELATION), CHORDS_SPREAD]
+            [place_0 * gap / 2, place_1 * gap / 2, noise.deviation * np.sqrt(2 * gap * noise.correlation), CHORDS_SPREAD]
         )
         blurred = blur * np.interp(np.degrees(abs(turn)), BLURRED_TURN, BLURRED_RADIUS) / np.tan(
             abs(turn) / 2
@@ -251,7 +268,8 @@ def _vertex_at(points: Array, closed: bool, i: int, deviation: float, blur: floa
             continue  # an arc might reach into what was taken for flanks
         if abs(turn) < GENTLE and _is_smooth(points, closed, i, gap, (flanks[0], flanks[1]), before + behind):
             continue
-        return Vertex(int(i), meeting, turn, radius, float(least), float(largest), gap, (flanks[0], flanks[1]))
+        bounds = (radius, float(least), float(largest))
+        return Vertex(int(i), meeting, turn, of_turn, *bounds, gap, (flanks[0], flanks[1]))
     return None
 
 
@@ -274,7 +292,7 @@ def _at(index: NDArray[np.int64], n: int, closed: bool) -> NDArray[np.int64]:
     return index % n if closed else np.clip(index, 0, n - 1)
 
 
-def _flank(points: Array, closed: bool, i: int, side: int, gap: float, deviation: float) -> Flank | None:
+def _flank(points: Array, closed: bool, i: int, side: int, gap: float, noise: Noise) -> Flank | None:
     """The longest flank that a parabola follows, from a gap beside a point on."""
     n = len(points)
     start = i + side * round(gap / STEP)
@@ -284,7 +302,7 @@ def _flank(points: Array, closed: bool, i: int, side: int, gap: float, deviation
         number = round(length / STEP) + 1
         if number > room + 1:
             break
-        flank = _fitted(points[_at(start + side * np.arange(number), n, closed)], deviation, length)
+        flank = _fitted(points[_at(start + side * np.arange(number), n, closed)], noise, length)
         if flank is not None:
             best = flank
         elif length >= SHORTEST_PARABOLA:
@@ -292,38 +310,38 @@ def _flank(points: Array, closed: bool, i: int, side: int, gap: float, deviation
     return best
 
 
-def _fitted(points: Array, deviation: float, length: float) -> Flank | None:
+def _fitted(points: Array, noise: Noise, length: float) -> Flank | None:
     """A straight flank when that follows the points, else a parabola, else None."""
     chord = points[-1] - points[0]
     along = chord / max(np.hypot(*chord), 1e-12)
     u, v = (points - points[0]) @ along, (points - points[0]) @ np.array([-along[1], along[0]])
-    line_rest = _least_squares(u, v, 1, deviation)[2]
+    line_rest = _least_squares(u, v, 1, noise)[2]
     if length >= SHORTEST_PARABOLA:
-        parabola, covariance, rest = _least_squares(u, v, 2, deviation)
+        parabola, covariance, rest = _least_squares(u, v, 2, noise)
         bent = abs(parabola[0]) > BENT * np.sqrt(covariance[0, 0])
-        if bent or line_rest > FOLLOWS * deviation:
-            if rest > FOLLOWS * deviation:
+        if bent or line_rest > FOLLOWS * noise.deviation:
+            if rest > FOLLOWS * noise.deviation:
                 return None
             return Flank(points[0], along, parabola, covariance, length, rest)
-    return None if line_rest > FOLLOWS * deviation else _line(points, deviation)
+    return None if line_rest > FOLLOWS * noise.deviation else _line(points, noise)
 
 
-def _line(points: Array, deviation: float) -> Flank:
+def _line(points: Array, noise: Noise) -> Flank:
     chord = points[-1] - points[0]
     length = float(np.hypot(*chord))
     along = chord / max(length, 1e-12)
     u, v = (points - points[0]) @ along, (points - points[0]) @ np.array([-along[1], along[0]])
-    line, covariance, rest = _least_squares(u, v, 1, deviation)
+    line, covariance, rest = _least_squares(u, v, 1, noise)
     return Flank(points[0], along, np.append(0.0, line), np.pad(covariance, ((1, 0), (1, 0))), length, rest)
 
 
-def _least_squares(u: Array, v: Array, degree: int, deviation: float) -> tuple[Array, Array, float]:
+def _least_squares(u: Array, v: Array, degree: int, noise: Noise) -> tuple[Array, Array, float]:
     """Coefficients, their covariance, and the root mean square of what they leave."""
     powers = np.vander(u, degree + 1)
     inverse = np.linalg.inv(powers.T @ powers)
     fitted = inverse @ (powers.T @ v)
     rest = float(np.sqrt(((v - powers @ fitted) ** 2).mean()))
-    return fitted, (CORRELATION / STEP) * max(rest, deviation) ** 2 * inverse, rest
+    return fitted, (noise.correlation / STEP) * max(rest, noise.deviation) ** 2 * inverse, rest
 
 
 def _crossing(one: Flank, other: Flank, gap: float) -> tuple[tuple[float, float], Array] | None:

@@ -20,6 +20,7 @@ from slmm.initiation.criterion import critical_load, stress_over_crack
 from slmm.initiation.curves import path_points
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notch_table import load_v_notches
+from slmm.initiation.williams import singular_exponent
 from slmm.material import Material
 
 #: standard deviations that cover nineteen of twenty
@@ -46,8 +47,8 @@ def outline_error(task: Task, answer: Answer) -> np.ndarray:
             continue
         accuracy, points = outline.accuracy, where.points[rows]
         of_waves = waves_error(accuracy, points, np.nan_to_num(answer.crack_length[rows]))
-        of_tips = tips_error(accuracy, points, material, task.average)
         radius = outline.length / (2 * np.pi)
+        of_tips = tips_error(accuracy, points, radius, material, task.average)
         # stress rises at most as the root of the notch's size, and as the ligament becomes thinner
         of_offset = accuracy.offset * (0.5 / radius + 1 / np.maximum(task.paths.ligament[rows], accuracy.offset))
         result[rows] = np.minimum(np.hypot(of_waves, of_offset) + of_tips, 1.0)
@@ -68,17 +69,37 @@ def waves_error(accuracy: Accuracy, points: np.ndarray, crack: np.ndarray) -> np
     return np.where(distance <= wavelength, error, 0.0)
 
 
-def tips_error(accuracy: Accuracy, points: np.ndarray, material: Material, average: bool) -> np.ndarray:
-    """Relative errors (n,) at points (n, 2), mm, for the radii that corners and tight bends may have."""
+def tips_error(
+    accuracy: Accuracy, points: np.ndarray, size: float, material: Material, average: bool
+) -> np.ndarray:
+    """Relative errors (n,) at points (n, 2) for what corners and tight bends of a notch of some size, mm, may be."""
     error = np.zeros(len(points))
-    for tip, turn, radii in zip(accuracy.tips, accuracy.turns, accuracy.radii, strict=True):
+    for tip, turn, spread, radii in zip(
+        accuracy.tips, accuracy.turns, accuracy.spreads, accuracy.radii, strict=True
+    ):
         if turn <= 0:
             continue  # the material's corner, where there is no tension
         radius, least, largest = (float(r) for r in radii)
         at_tip = rounding_error(float(np.pi - turn), radius, least, largest, material, average)
+        at_tip += angle_error(float(np.pi - turn), COVERED * float(spread), size, material)
         distance = np.hypot(*(points - tip).T)
         error = np.maximum(error, at_tip * np.minimum(1.0, largest / np.maximum(distance, 1e-300)))
     return error
+
+
+def angle_error(opening: float, spread: float, size: float, material: Material) -> float:
+    """Relative change of the failure index of a sharp notch when its opening differs by a spread, rad.
+
+    In the same stress, the intensity of a notch of some size (mm) goes with the power 1 - lambda of that.
+    """
+
+    def index(angle: float) -> float:
+        angle = min(max(angle, 0.0), np.pi)
+        return float(
+            size ** (1 - singular_exponent(angle)) / critical_intensity(angle, material).k_1
+        )
+
+    return max(abs(index(opening + side * spread) / index(opening) - 1) for side in (-1, 1))
 
 
 @lru_cache(maxsize=4096)
