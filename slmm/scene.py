@@ -23,7 +23,7 @@ from pydantic import (
 )
 
 from slmm.contours import shapes
-from slmm.contours.checks import crack_problems, hole_problems, position_problems
+from slmm.contours.checks import crack_problems, hole_problems, overlaps_united, position_problems
 from slmm.contours.image import outlines_in_picture
 from slmm.contours.outline import Outline
 from slmm.contours.points import point_problems, polygon_problems, read_points, without_repetition
@@ -219,7 +219,7 @@ class PointsHole(Table):
         problems = point_problems(points.reshape(-1, 2))
         if problems:
             raise ValueError("; ".join(problems))
-        return [Outline.through(points)]
+        return [Outline.through(without_repetition(points))]
 
 
 class ImageHole(Table):
@@ -418,7 +418,7 @@ class Scene(Table):
 
     @cached_property
     def outlines(self) -> tuple[Outline, ...]:
-        """Outlines of all holes, in the order of the file; a picture may give several."""
+        """Outlines of all holes, in the order of the file; a picture may give several, holes that overlap one."""
         return tuple(outline for _, outline in self._named_outlines)
 
     @cached_property
@@ -434,6 +434,8 @@ class Scene(Table):
                 continue
             for k, outline in enumerate(outlines):
                 named.append((f"holes[{i}]" + (f" (outline {k})" if len(outlines) > 1 else ""), outline))
+        if not problems:
+            named, problems = overlaps_united(named, self.plate.width, self.plate.height)
         if problems:
             raise SceneError(problems)
         return tuple(named)

@@ -10,11 +10,22 @@ from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, box, get
 from shapely.validation import explain_validity
 
 from slmm.contours.outline import Outline
+from slmm.contours.union import united
 
 Array = NDArray[np.float64]
 
 #: lengths below this share of the plate count as zero
 TOLERANCE = 1e-5
+
+
+def overlaps_united(
+    named: Sequence[tuple[str, Outline]], width: float, height: float
+) -> tuple[list[tuple[str, Outline]], list[str]]:
+    """Named outlines, those that overlap in the plate as one, and what is wrong with their unions."""
+    polygons = [_polygon(outline) for _, outline in named]
+    if not all(polygon.is_valid for polygon in polygons):
+        return list(named), []  # `hole_problems` says so
+    return united(named, polygons, box(0.0, 0.0, width, height), TOLERANCE * max(width, height))
 
 
 def hole_problems(
@@ -71,7 +82,10 @@ def hole_problems(
                 problems.append(f"{pair}: one lies within the other")
             elif first.distance(second) <= tolerance:
                 x, y = first.intersection(second.buffer(tolerance)).centroid.coords[0]
-                problems.append(f"{pair}: touch or cross each other near ({x:.6g}, {y:.6g})")
+                problems.append(
+                    f"{pair}: touch each other near ({x:.6g}, {y:.6g}); move them apart, or let them overlap by"
+                    f" more than {tolerance:.3g} mm, then they are one hole"
+                )
     if problems:
         return problems
 

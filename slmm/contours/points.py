@@ -19,6 +19,8 @@ MIN_CORNERS = 3
 MAX_CORNERS = 1000
 #: a polygon that turns by more than this at one point does not describe a smooth outline
 MAX_TURN = 60.0
+#: neighbouring points nearer than this share of the outline's size are one: programs write six or seven digits
+SAME = 1e-6
 
 
 def read_points(path: Path) -> Array:
@@ -70,15 +72,16 @@ def point_problems(points: Array) -> list[str]:
     problems = _ring_problems(points, MIN_POINTS, MAX_POINTS, "round the outline")
     if problems:
         return problems
-    points = without_repetition(points)
-    steps = np.roll(points, -1, axis=0) - points
+    kept = without_repetition(points)
+    steps = np.roll(kept, -1, axis=0) - kept
     direction = steps[:, 0] + 1j * steps[:, 1]
     turn = np.abs(np.degrees(np.angle(direction / np.roll(direction, 1))))
     sharpest = int(turn.argmax())
     if turn[sharpest] > MAX_TURN:
-        x, y = points[sharpest]
+        x, y = kept[sharpest]
+        number = int(np.argmax((points == kept[sharpest]).all(axis=1)))
         return [
-            f"the outline turns by {turn[sharpest]:.0f} degrees at point {sharpest}, ({x:.6g}, {y:.6g}):"
+            f"the outline turns by {turn[sharpest]:.0f} degrees at point {number}, ({x:.6g}, {y:.6g}):"
             f" a corner has no curvature; round it, with at most {MAX_TURN:.0f} degrees at each point,"
             ' or draw straight sides between corners with shape = "polygon"'
         ]
@@ -91,8 +94,22 @@ def polygon_problems(points: Array) -> list[str]:
 
 
 def without_repetition(points: Array) -> Array:
-    """The points (n, 2) without the last one when that is the first again."""
-    return points[:-1] if len(points) > 1 and np.array_equal(points[0], points[-1]) else points
+    """The points (n, 2) without those that are the one before again but for rounding; the last one may be the first.
+
+    Examples
+    --------
+    >>> without_repetition(np.array([[0, 0], [4, 0], [4, 1e-7], [0, 3], [1e-7, 0]])).tolist()
+    [[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]]
+    """
+    same = SAME * float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
+    kept: list[int] = []
+    for k, point in enumerate(points):
+        # from the last one kept: many small steps are a distance, too
+        if not kept or np.hypot(*(point - points[kept[-1]])) > same:
+            kept.append(k)
+    while len(kept) > 1 and np.hypot(*(points[kept[-1]] - points[0])) <= same:
+        kept.pop()
+    return points[kept]
 
 
 def _ring_problems(points: Array, fewest: int, most: int, where: str) -> list[str]:
@@ -103,14 +120,6 @@ def _ring_problems(points: Array, fewest: int, most: int, where: str) -> list[st
     n = len(points)
     if not fewest <= n <= most:
         return [f"has {n} different points: must have between {fewest} and {most:,} {where}"]
-
-    chords = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    size = float(np.ptp(points, axis=0).max())
-    coincident = np.flatnonzero(chords <= 1e-9 * size)
-    if len(coincident):
-        k = int(coincident[0])
-        x, y = points[k]
-        return [f"points {k} and {(k + 1) % n} coincide at ({x:.6g}, {y:.6g}); remove one of them"]
 
     polygon = Polygon(points)
     if not polygon.is_valid:

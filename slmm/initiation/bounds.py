@@ -51,6 +51,8 @@ def upper_bounds(task: Task, answer: Answer, method: str) -> np.ndarray:
     left = np.flatnonzero(missing & task.smooth & (bound > largest))
     if len(left) and largest < 1 and task.displacements is None and find_spec("netgen") is not None:
         bound[left] = np.minimum(bound[left], _body_fitted(task.among(left), whole_path))
+    if "outline_error" in answer.columns:  # which is in the error of the values already
+        bound[missing] *= 1 + np.nan_to_num(answer.columns["outline_error"][missing])
     return bound
 
 

@@ -18,6 +18,7 @@ from slmm.initiation.by_stress import METHODS as STRESS_METHODS
 from slmm.initiation.by_stress import by_stress
 from slmm.initiation.criterion import GOVERNED_BY
 from slmm.initiation.meta_model import shipped_database
+from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
@@ -177,6 +178,8 @@ def failure_indices(
     answer = METHODS[method](task)
     if refined:
         task, answer = with_peaks(task, answer, METHODS[method])
+    # behind the method, which need not be dearer for what the picture of the notch leaves open
+    add_outline_error(task, answer)
     bound = upper_bounds(task, answer, method)
     answer.provenance = {"method": method} | answer.provenance
     if answer.cost:
@@ -250,6 +253,7 @@ _UNITS = {
         "1",
         "upper bound of the failure index: value and error, or strength; inf where unknown",
     ),
+    "outline_error": ("1", "part of its relative error that the picture of the notch leaves open"),
     "load_factor": ("1", "factor on the load at which a crack starts"),
     "crack_length": ("mm", "length with which the crack starts"),
     "governed_by": ("1", "condition that decides the load"),
