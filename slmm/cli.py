@@ -12,19 +12,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
+from slmm.encoding import has
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS  # the package itself has imported it
 from slmm.optimize_command import optimize
 from slmm.terminal import (
+    Application,
     check_no_input,
     check_target,
     console,
     progress_bar,
     refusals,
     say_error,
+    table_box,
     word_on_compilation,
 )
 from slmm.whole_file import whole_file
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
     from slmm.fem.element_results import ElementResults
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = Application(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.add_typer(optimize, name="optimize")
 
 RESULT_FORMATS = (".nc",)
@@ -130,11 +131,11 @@ def initiation(
                     result.to_netcdf(unfinished, engine="netcdf4")
             if plot is not None:
                 progress(1.0, "picture")
+                from slmm.figure_file import write_figure
                 from slmm.plot import plot_initiation
 
                 figure = plot_initiation(scene, result, displacements)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                write_figure(figure, plot)
         from slmm import summary
 
         if as_json:
@@ -205,6 +206,7 @@ def forces(
             from slmm.fem.elasticity import Elasticity
             from slmm.fem.read_results import read_element_results
             from slmm.fem.vtu import write_vtu
+            from slmm.figure_file import write_figure
             from slmm.fracture.loading import crack_tip_loading
             from slmm.plot_forces import plot_forces
 
@@ -229,8 +231,7 @@ def forces(
             if plot is not None and loading is not None:
                 progress(0.8, "picture")
                 figure = plot_forces(results, found, loading)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                write_figure(figure, plot)
         from slmm import tip_summary
 
         if as_json:
@@ -260,9 +261,10 @@ def _print_result(result: xr.Dataset) -> None:
     ranked = by_criticality(result)
     n = result.sizes["position"]
     title = result.attrs.get("title") or "Failure indices"
+    out = console()
     table = Table(
         title=f"{title} ({result.attrs['method']}): {min(LISTED, len(ranked))} most critical of {n} positions",
-        box=SIMPLE_HEAD,
+        box=table_box(out),
     )
     rows = [position_record(result, i) for i in ranked[:LISTED]]
     columns = [("x", "x\nmm", ".2f"), ("y", "y\nmm", ".2f"), ("failure_index", "failure\nindex", ".4f")]
@@ -282,12 +284,11 @@ def _print_result(result: xr.Dataset) -> None:
     for i, row in zip(ranked, rows, strict=False):
         numbers = (_text(row[name], digits) for name, _, digits in columns)
         table.add_row(str(i), *numbers, *(str(row[name]) for name in words))
-    out = console()
     if ranked:
         out.print(table)
-    out.print(verdict(result), soft_wrap=True, markup=False)
+    out.print(verdict(result), soft_wrap=True)
     counts = "; ".join(f"{count} {status}" for status, count in status_counts(result).items())
-    out.print(f"Positions: {counts}.", soft_wrap=True, markup=False)
+    out.print(f"Positions: {counts}.", soft_wrap=True)
 
 
 def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | None) -> None:
@@ -321,8 +322,9 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
         "K_I": ".4g",
         "K_II": ".4g",
     }
-    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": "MPa√mm"}
-    table = Table("tip", title="Crack tips", box=SIMPLE_HEAD, pad_edge=False)
+    root = "MPa√mm" if has(out.encoding, "√") else "MPa\nsqrt(mm)"  # as narrow
+    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": root}
+    table = Table("tip", title="Crack tips", box=table_box(out), pad_edge=False)
     for name in columns:
         heading = f"{name.replace('_', ' ')}\n{units[loading[name].attrs['units']]}"
         table.add_column(heading, justify="right", no_wrap=True)
@@ -337,7 +339,7 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
         )
     out.print(table)
     for k in range(len(records)):
-        out.print(tip_sentence(loading, k), soft_wrap=True, markup=False)
+        out.print(tip_sentence(loading, k), soft_wrap=True)
 
 
 def _text(value: float | None, digits: str) -> str:
@@ -370,7 +372,7 @@ def _print_database(path: Path, cells: xr.Dataset) -> None:
     table.add_column(overflow="fold")
     for name, text in lines.items():
         table.add_row(name, str(text))
-    Console(highlight=False, markup=False).print(table)
+    console().print(table)
 
 
 def _scalars(settings: str) -> str:
