@@ -20,6 +20,8 @@ from pydantic import (
     field_validator,
     model_validator,
 )
+from shapely import STRtree, prepare
+from shapely import polygons as polygons_of
 
 from slmm.contours import shapes
 from slmm.contours.checks import crack_problems, hole_problems, position_problems
@@ -71,6 +73,8 @@ Count = Annotated[int, Field(strict=True)]
 PlanePoint = tuple[Coordinate, Coordinate]
 
 
+#: of an outline as a polygon, where it keeps lines from passing
+POLYGON_POINTS = 400
 #: characters
 LONGEST_TITLE = 1000
 #: radius over the length of the outline down to which a spline through points can follow a rounded corner
@@ -449,6 +453,13 @@ class Scene(Table):
     def outlines(self) -> tuple[Outline, ...]:
         """Outlines of all holes, in the order of the file; a picture may give several."""
         return tuple(outline for _, outline in self._named_outlines)
+
+    @cached_property
+    def notches(self) -> STRtree:
+        """The outlines as polygons, in a tree that finds those near a line."""
+        polygons = polygons_of([outline.polygon(POLYGON_POINTS) for outline in self.outlines])
+        prepare(polygons)
+        return STRtree(polygons)
 
     @cached_property
     def _named_outlines(self) -> tuple[tuple[str, Outline], ...]:
