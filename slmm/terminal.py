@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -61,9 +62,13 @@ def errors() -> Console:
 
 @contextlib.contextmanager
 def refusals() -> Iterator[None]:
-    """Bad input ends with a sentence and code 2, a failed computation with a sentence and code 1."""
+    """Bad input ends with a sentence and code 2, a failed computation with a sentence and code 1.
+
+    Our own warnings are sentences on stderr, too.
+    """
     try:
-        yield
+        with _said_warnings():
+            yield
     # SceneError, DatabaseError; an extra that is not installed; what is written has an error of its own (whole_file),
     # so a file that is missing or locked is one that should have been read
     except (ValueError, ImportError, FileNotFoundError, PermissionError, IsADirectoryError) as error:
@@ -74,6 +79,23 @@ def refusals() -> Iterator[None]:
             raise
         say_error(str(error) or type(error).__name__)
         raise typer.Exit(1) from None
+
+
+@contextlib.contextmanager
+def _said_warnings() -> Iterator[None]:
+    """Warnings of this package as sentences, each once."""
+    with warnings.catch_warnings():
+        by_python, said = warnings.showwarning, set()
+
+        def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            if not category.__module__.startswith("slmm."):
+                by_python(message, category, *where, **more)
+            elif str(message) not in said:
+                said.add(str(message))
+                errors().print(f"warning: {message}", style="yellow", soft_wrap=True)
+
+        warnings.showwarning = show
+        yield
 
 
 def say_error(text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,7 @@ from slmm.initiation.paths import trial_paths
 from slmm.initiation.positions import Positions, find_positions
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Progress, Task
+from slmm.plausible import UnusualValueWarning, unusual_values
 from slmm.scene import Scene
 
 if TYPE_CHECKING:
@@ -120,6 +122,11 @@ def failure_indices(
         and says why; it is 0 where the path carries no tension. ``failure_index_error`` is what the method estimates
         as its error, in the same unit; NaN where it has no estimate.
 
+    Warns
+    -----
+    UnusualValueWarning
+        For values that no solid or part has, as they come from a mistaken unit; ``attrs["warnings"]`` has them, too.
+
     Raises
     ------
     ValueError
@@ -137,6 +144,8 @@ def failure_indices(
     >>> round(float(result.failure_index[0]), 1)
     9.3
     """
+    for text in unusual_values(scene):
+        warnings.warn(text, UnusualValueWarning, stacklevel=2)
     analysis = scene.analysis
     method = analysis.method if method is None else method
     if method not in METHODS:
@@ -259,4 +268,6 @@ def _dataset(task: Task, answer: Answer, curves: bool) -> xr.Dataset:
     for name in dataset.data_vars:
         dataset[name].attrs = dict(zip(("units", "long_name"), _UNITS[str(name)], strict=True))
     dataset.attrs = {"title": task.scene.title, "version": __version__} | answer.provenance
+    if unusual := unusual_values(task.scene):
+        dataset.attrs["warnings"] = "; ".join(unusual)
     return dataset
