@@ -13,19 +13,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
+from slmm.encoding import has
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS  # the package itself has imported it
 from slmm.optimize_command import optimize
 from slmm.terminal import (
+    Application,
     check_no_input,
     check_target,
     console,
     progress_bar,
     refusals,
     say_error,
+    table_box,
     word_on_compilation,
 )
 from slmm.whole_file import whole_file
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
     from slmm.fem.element_results import ElementResults
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = Application(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.add_typer(optimize, name="optimize")
 
 RESULT_FORMATS = (".nc",)
@@ -138,6 +139,7 @@ def initiation(
                     result.to_netcdf(unfinished, engine="netcdf4")
             if plot is not None:
                 progress(1.0, "picture")
+                from slmm.figure_file import write_figure
                 from slmm.plot import plot_initiation
 
                 model: object = displacements
@@ -146,8 +148,7 @@ def initiation(
 
                     model = read_displacements(displacements, field=field)
                 figure = plot_initiation(scene, result, model)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                write_figure(figure, plot)
         from slmm import summary
         from slmm.verdict import conclude
 
@@ -242,6 +243,7 @@ def forces(
             from slmm.fem.elasticity import Elasticity
             from slmm.fem.read_results import read_element_results
             from slmm.fem.vtu import write_vtu
+            from slmm.figure_file import write_figure
             from slmm.fracture.loading import crack_tip_loading
             from slmm.fracture.symmetry import whole_part
             from slmm.plot_forces import plot_forces
@@ -269,8 +271,7 @@ def forces(
             if plot is not None and loading is not None:
                 progress(0.8, "picture")
                 figure = plot_forces(whole, found, loading)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                write_figure(figure, plot)
         from slmm import tip_summary
 
         if as_json:
@@ -301,9 +302,10 @@ def _print_result(result: xr.Dataset) -> None:
     ranked = by_criticality(result)
     n = result.sizes["position"]
     title = result.attrs.get("title") or "Failure indices"
+    out = console()
     table = Table(
         title=f"{title} ({result.attrs['method']}): {min(LISTED, len(ranked))} most critical of {n} positions",
-        box=SIMPLE_HEAD,
+        box=table_box(out),
     )
     rows = [position_record(result, i) for i in ranked[:LISTED]]
     columns = [("x", "x\nmm", ".2f"), ("y", "y\nmm", ".2f"), ("failure_index", "failure\nindex", ".4f")]
@@ -323,16 +325,15 @@ def _print_result(result: xr.Dataset) -> None:
     for i, row in zip(ranked, rows, strict=False):
         numbers = (_text(row[name], digits) for name, _, digits in columns)
         table.add_row(str(i), *numbers, *(str(row[name]) for name in words))
-    out = console()
     if ranked:
         out.print(table)
-    out.print(verdict(result), soft_wrap=True, markup=False)
+    out.print(verdict(result), soft_wrap=True)
     counts = "; ".join(f"{count} {status}" for status, count in status_counts(result).items())
-    out.print(f"Positions: {counts}.", soft_wrap=True, markup=False)
+    out.print(f"Positions: {counts}.", soft_wrap=True)
     if (helps := remedy(result)) and not conclude(result).is_open:  # which says it, too
-        out.print(f"To have values at the others, {helps}.", soft_wrap=True, markup=False)
+        out.print(f"To have values at the others, {helps}.", soft_wrap=True)
     if "cost" in result.attrs:
-        out.print(f"Cost: {result.attrs['cost']}.", soft_wrap=True, markup=False)
+        out.print(f"Cost: {result.attrs['cost']}.", soft_wrap=True)
 
 
 def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | None) -> None:
@@ -368,8 +369,9 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
         "K_I": ".4g",
         "K_II": ".4g",
     }
-    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": "MPa√mm"}
-    table = Table("tip", title="Crack tips", box=SIMPLE_HEAD, pad_edge=False)
+    root = "MPa√mm" if has(out.encoding, "√") else "MPa\nsqrt(mm)"  # as narrow
+    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": root}
+    table = Table("tip", title="Crack tips", box=table_box(out), pad_edge=False)
     for name in columns:
         heading = f"{name.replace('_', ' ')}\n{units[loading[name].attrs['units']]}"
         table.add_column(heading, justify="right", no_wrap=True)
@@ -384,7 +386,7 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
         )
     out.print(table)
     for k in range(len(records)):
-        out.print(tip_sentence(loading, k), soft_wrap=True, markup=False)
+        out.print(tip_sentence(loading, k), soft_wrap=True)
 
 
 def _tip_place(text: str) -> list[float]:
@@ -428,7 +430,7 @@ def _print_database(path: Path, cells: xr.Dataset) -> None:
     table.add_column(overflow="fold")
     for name, text in lines.items():
         table.add_row(name, str(text))
-    Console(highlight=False, markup=False).print(table)
+    console().print(table)
 
 
 def _scalars(settings: str) -> str:

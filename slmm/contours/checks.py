@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, box, get_parts, unary_union
+from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, STRtree, box, get_parts, unary_union
 from shapely.validation import explain_validity
 
 from slmm.contours.outline import Outline
@@ -72,12 +72,16 @@ def hole_problems(
                 " Move it away from the edge, or let a notch go on beyond it"
             )
     reaching = [(name, near) for name, near in zip(names, near_plate, strict=True) if not near.is_empty]
+    boxes = box(*np.array([near.bounds for _, near in reaching]).reshape(-1, 4).T)
+    tree = STRtree(boxes)
     for i, (name, first) in enumerate(reaching):
-        around = box(*first.bounds).buffer(tolerance)
-        for other, second in reaching[i + 1 :]:
-            pair = f"{name} and {other}"
-            if not around.intersects(box(*second.bounds)):
+        left, bottom, right, top = first.bounds
+        around = box(left - tolerance, bottom - tolerance, right + tolerance, top + tolerance)
+        for k in sorted(tree.query(around)):
+            if k <= i:
                 continue
+            other, second = reaching[k]
+            pair = f"{name} and {other}"
             if first.contains(second) or second.contains(first):
                 problems.append(f"{pair}: one lies within the other")
             elif first.distance(second) <= tolerance:

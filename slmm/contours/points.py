@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,12 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.validation import explain_validity
 
+from slmm.input_file import read_text
+
 Array = NDArray[np.float64]
 
+#: mm, as in scenes: squares and products stay finite
+MAX_COORDINATE = 1e9
 MIN_POINTS = 8
 MAX_POINTS = 100_000
 MIN_CORNERS = 3
@@ -21,6 +26,12 @@ MAX_CORNERS = 1000
 MAX_TURN = 60.0
 #: neighbouring points nearer than this share of the outline's size are one: programs write six or seven digits
 SAME = 1e-6
+#: bytes of a file of points: the longest outline, every coordinate with 40 characters, and as much in remarks
+MOST = 16_000_000
+#: a line that may be quoted without knowing what is in the file
+_NUMBERS = re.compile(r"[\d\s.,;+\-eE]*", re.ASCII)
+#: characters of a line that are quoted
+QUOTED = 60
 
 
 def read_points(path: Path) -> Array:
@@ -34,30 +45,38 @@ def read_points(path: Path) -> Array:
     ValueError
         When the file cannot be read as text, or a line does not hold two finite numbers; names the line.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"not a readable text file ({error})") from error
+    lines = read_text(path, MOST, "readable text file").splitlines()
     points: list[tuple[float, float]] = []
     header_allowed = True
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = _cells(line)
         try:
-            row = [float(cell) for cell in cells]
+            row = [float(cell) for cell in _cells(line)]
+        except csv.Error:  # it has a limit of its own to what stands between two separators
+            raise ValueError(f"line {number}: is too long; must hold two numbers, x and y") from None
         except ValueError:
             if header_allowed:
                 header_allowed = False
                 continue
-            raise ValueError(f"line {number} = {line.strip()!r}: must hold two numbers, x and y") from None
+            raise ValueError(f"{_quoted(number, line, points)}: must hold two numbers, x and y") from None
         header_allowed = False
         if len(row) != 2:
-            raise ValueError(f"line {number} = {line.strip()!r}: must hold two numbers, x and y")
+            raise ValueError(f"{_quoted(number, line, points)}: must hold two numbers, x and y")
         if not np.isfinite(row).all():
-            raise ValueError(f"line {number} = {line.strip()!r}: must be finite numbers")
+            raise ValueError(f"{_quoted(number, line, points)}: must be finite numbers")
+        if np.abs(row).max() > MAX_COORDINATE:
+            says = f"must lie between {-MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            raise ValueError(f"{_quoted(number, line, points)}: {says}")
         points.append((row[0], row[1]))
     return np.array(points, dtype=float).reshape(-1, 2)
+
+
+def _quoted(number: int, line: str, points: list[tuple[float, float]]) -> str:
+    """A line by its number, and by its text where it is of points: a scene may name any file, also a secret one."""
+    text = line.strip()
+    of_points = bool(points) or _NUMBERS.fullmatch(text) is not None
+    return f"line {number} = {text!r}" if of_points and len(text) <= QUOTED else f"line {number}"
 
 
 def _cells(line: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -24,6 +25,7 @@ from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Progress, Task
+from slmm.plausible import UnusualValueWarning, unusual_values
 from slmm.scene import Scene
 
 if TYPE_CHECKING:
@@ -131,6 +133,11 @@ def failure_indices(
         as its error, in the same unit; NaN where it has no estimate. ``failure_index_bound`` is what the index is at
         most: value and error, or, where there is no value, what the strength allows; infinite where nothing is known.
 
+    Warns
+    -----
+    UnusualValueWarning
+        For values that no solid or part has, as they come from a mistaken unit; ``attrs["warnings"]`` has them, too.
+
     Raises
     ------
     ValueError
@@ -148,6 +155,8 @@ def failure_indices(
     >>> round(float(result.failure_index[0]), 1)
     9.3
     """
+    for text in unusual_values(scene):
+        warnings.warn(text, UnusualValueWarning, stacklevel=2)
     analysis = scene.analysis
     method = analysis.method if method is None else method
     if method not in METHODS:
@@ -316,4 +325,6 @@ def _dataset(task: Task, answer: Answer, bound: np.ndarray, curves: bool) -> xr.
     for name in dataset.data_vars:
         dataset[name].attrs = dict(zip(("units", "long_name"), _UNITS[str(name)], strict=True))
     dataset.attrs = {"title": task.scene.title, "version": __version__} | answer.provenance
+    if unusual := unusual_values(task.scene):
+        dataset.attrs["warnings"] = "; ".join(unusual)
     return dataset
