@@ -125,7 +125,9 @@ def read_element_results(
             model = input_model(result, displacement, input_file, reduced)
         return _results(model, elasticity, method, thickness)
     except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+        # where a block is damaged that was not read before, file and line are named
+        named = str(error).startswith(f"{path}, line ")
+        raise ValueError(str(error) if named else f"{path}: {error}") from error
 
 
 def _results(

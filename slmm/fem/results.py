@@ -114,12 +114,18 @@ def frd_displacements(path: Path, step: int) -> tuple[FrdResult, FrdField]:
         )
     fields = result.fields["DISP"]
     field = fields[_chosen(path, step, len(fields))]
+    if field.of_mode:
+        loaded = [number for number, other in enumerate(fields) if not other.of_mode]
+        raise ValueError(
+            f"{path}: step {step} of {len(fields)} is a mode of vibration (frequency {field.value:g}), whose "
+            f"displacements have no size of their own; steps under load: {', '.join(map(str, loaded)) or 'none'}"
+        )
     used = np.unique(np.concatenate([np.zeros(0, int), *(nodes.ravel() for nodes in result.cells.values())]))
-    missing = used[np.isnan(field.values[used]).any(axis=1)]
+    missing = used[~np.isfinite(field.values[used]).all(axis=1)]
     if len(missing):
         raise ValueError(
-            f"{path}: no displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
-            "nodes); ask CalculiX for all: *NODE FILE without NSET"
+            f"{path}: no finite displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
+            "nodes); ask CalculiX for all: *NODE FILE without NSET, and see whether the run converged"
         )
     return result, field
 
