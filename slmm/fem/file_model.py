@@ -12,9 +12,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from slmm.fem.elasticity import Elasticity
-from slmm.fem.elements import element_named
+from slmm.fem.elements import ALIASES, ELEMENTS, element_named
 from slmm.fem.frd import FrdField, FrdResult
-from slmm.fem.inp import InpModel
+from slmm.fem.inp_model import InpModel
 from slmm.fem.results import FACES, MeshStep, lower_faces, steps_of
 from slmm.material import State
 
@@ -157,6 +157,8 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
     ValueError
         When elements are unknown, plane and solid, without section, or others than in the input file.
     """
+    if inp.unlike:
+        raise ValueError(f"{inp.path.name}: {inp.unlike[0]}")
     cells = {kind: nodes for kind, nodes in result.cells.items() if not kind.startswith(THIN)}
     if not cells:
         raise ValueError("there are no plane or solid elements")
@@ -222,10 +224,13 @@ def _frd_field(result: FrdResult, displacement: FrdField, name: str, components:
 
 def _plane(names: Sequence[str], inp: InpModel) -> bool:
     """Whether these elements of an input file are plane."""
-    try:
-        dimensions = {element_named(name).dimension for name in names}
-    except ValueError as error:
-        raise ValueError(f"{inp.path.name}: {error}") from error
+    known = {name for name in names if ALIASES.get(name, name) in ELEMENTS}
+    if unknown := [name for name in names if name not in known]:
+        raise ValueError(
+            f"{inp.path.name} has elements of type {', '.join(unknown)}: only plane elements and solids are read, of "
+            f"the types {', '.join(ELEMENTS)}, and CPS3 to CPS8R"
+        )
+    dimensions = {element_named(name).dimension for name in names}
     if len(dimensions) > 1:
         raise ValueError(
             f"{inp.path.name} has plane elements and solids ({', '.join(names)}): one of them is needed"

@@ -36,8 +36,9 @@ ELEMENT_TYPES: dict[int, tuple[str, tuple[int, ...]]] = {
 }
 VALUE_WIDTH = 12
 
-#: the kind of analysis of which displacements are shapes of modes
-MODES = b"2"
+#: kinds of analysis: of vibration, where all displacements are modes, and of buckling, where those are after the first,
+#: which have a factor on the load
+VIBRATION, BUCKLING = b"2", b"4"
 
 #: records -4, a result, and -5, one of its components: name, menu, kind, two indices, then 1 when the component is
 #: not in the file but calculated from the others. Some that CalculiX writes have tabs, which move the columns
@@ -58,7 +59,7 @@ class FrdField:
     components : tuple of str
         Their names, such as SXX.
     of_mode : bool
-        It belongs to a mode of vibration, whose size is arbitrary.
+        It belongs to a mode of vibration or buckling, whose size is arbitrary.
     read : callable
         Reads the values. Few of many results are wanted, and what is wrong with the others does not matter.
     """
@@ -286,7 +287,8 @@ class _File(Records):
             of_nodes[self.rows(rows, ids, head)] = of_ids
             return of_nodes
 
-        of_mode = self.lines[head][56:58].strip() == MODES
+        analysis = self.lines[head][56:58].strip()
+        of_mode = analysis == VIBRATION or (analysis == BUCKLING and value != 0)
         return name, FrdField(value, self.whole(head, 58, 63), tuple(components), of_mode, values)
 
 

@@ -57,7 +57,7 @@ class Records:
         Where a program has written asterisks, since its number did not fit, the value is NaN.
         """
         if all(len(record) == count * width for record in text):
-            columns = np.array([b"".join(text)]).view(f"S{width}")[: len(text) * count]
+            columns = np.frombuffer(b"".join(text), f"S{width}").copy()
         else:
             columns = np.array(
                 [

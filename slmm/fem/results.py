@@ -117,10 +117,12 @@ def frd_displacements(path: Path, step: int) -> tuple[FrdResult, FrdField]:
     if field.of_mode:
         loaded = [number for number, other in enumerate(fields) if not other.of_mode]
         raise ValueError(
-            f"{path}: step {step} of {len(fields)} is a mode of vibration (frequency {field.value:g}), whose "
+            f"{path}: step {step} of {len(fields)} is a mode of vibration or buckling ({field.value:g}), whose "
             f"displacements have no size of their own; steps under load: {', '.join(map(str, loaded)) or 'none'}"
         )
-    used = np.unique(np.concatenate([np.zeros(0, int), *(nodes.ravel() for nodes in result.cells.values())]))
+    # nodes of networks and springs need not move
+    of_solids = [nodes.ravel() for kind, nodes in result.cells.items() if not _THIN.match(kind)]
+    used = np.unique(np.concatenate([np.zeros(0, int), *of_solids]))
     missing = used[~np.isfinite(field.values[used]).all(axis=1)]
     if len(missing):
         raise ValueError(
