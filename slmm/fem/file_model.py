@@ -179,7 +179,7 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
             f"{', '.join(incompatible)} have incompatible modes, of which displacements do not tell"
         )
     if inp.nlgeom:
-        unsettled.append(f"{inp.path.name} has NLGEOM")
+        unsettled.append(f"{inp.path.name} has NLGEOM, or *MPC, which implies it")
     sections = {inp.sections[k].thickness for own in ids.values() for k in np.unique(inp.section_of(own))}
     thicknesses = {1.0 if thickness is None else thickness for thickness in sections} if plane else {1.0}
     return FileModel(
@@ -227,8 +227,8 @@ def _plane(names: Sequence[str], inp: InpModel) -> bool:
     known = {name for name in names if ALIASES.get(name, name) in ELEMENTS}
     if unknown := [name for name in names if name not in known]:
         raise ValueError(
-            f"{inp.path.name} has elements of type {', '.join(unknown)}: only plane elements and solids are read, of "
-            f"the types {', '.join(ELEMENTS)}, and CPS3 to CPS8R"
+            f"{inp.path.name} has elements of type {', '.join(unknown)}: only plane elements (CPE, CPS) and solids "
+            "(C3D) are read"
         )
     dimensions = {element_named(name).dimension for name in names}
     if len(dimensions) > 1:

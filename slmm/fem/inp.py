@@ -93,6 +93,7 @@ class _Reader:
             "SHELLSECTION": self.shell_section,
             "INITIALCONDITIONS": self.initial,
             "STEP": self.step,
+            "MPC": self.mpc,
             "MODELCHANGE": self.model_change,
             "REFINEMESH": self.refine_mesh,
             "NODEFILE": self.output,
@@ -231,6 +232,11 @@ class _Reader:
 
     def step(self, block: Block) -> None:
         if "NLGEOM" in block.parameters and block.parameters["NLGEOM"] not in ("NO", "OFF"):
+            self.nlgeom = True
+
+    def mpc(self, block: Block) -> None:
+        # CalculiX turns on large displacements for all but these, whatever the step says
+        if any(line.fields[0].upper() != "MEANROT" for line in block.data[:1]):
             self.nlgeom = True
 
     def result(self) -> InpModel:

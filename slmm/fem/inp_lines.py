@@ -16,8 +16,8 @@ from typing import NamedTuple
 #: a number as Fortran reads it: 1.5, .5, 5., 1.5e3, 1.5d3, 1.5D+3, 1.5+3
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDdQq]([+-]?\d+)|([+-]\d+))?")
 
-#: CalculiX reads whole numbers from ten columns
-_WHOLE = re.compile(r"[+-]?\d{1,10}")
+#: numbers that arrays hold
+_WHOLE = re.compile(r"[+-]?\d{1,18}")
 
 _INCLUDE = re.compile(r"\*\s*include\b", re.IGNORECASE)
 _INPUT = re.compile(r"\binput\s*=\s*(.+)", re.IGNORECASE)
@@ -52,7 +52,7 @@ def whole(text: str) -> int:
     Raises
     ------
     ValueError
-        When it is none, or has more than ten digits.
+        When it is none, or has more than 18 digits.
     """
     if not _WHOLE.fullmatch(text.strip()):
         raise ValueError(f"{text!r} is no whole number")

@@ -39,7 +39,7 @@ class InpModel:
     reasons : dict of str to str
         Why, for these materials.
     nlgeom : bool
-        Whether any step is geometrically nonlinear.
+        Whether any step is geometrically nonlinear: by NLGEOM, or by *MPC.
     unlike : tuple of str
         Why results are not those of these elements, or not in the directions of the axes.
     """

@@ -10,6 +10,7 @@ import contextlib
 import io
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ import numpy as np
 
 from slmm.fem.field import ELEMENTS, DisplacementField
 from slmm.fem.frd import FrdField, FrdResult, read_frd
+from slmm.fem.inp_lines import blocks, plain
 
 #: what programs call nodal displacements, in lower case; the first one found is taken
 NAMES = ("displacement", "displacements", "disp", "u")
@@ -74,9 +76,9 @@ def read_displacements(path: str | Path, step: int = -1) -> DisplacementField:
 
     Notes
     -----
-    An axisymmetric model with plane output looks like a plane one and is not told apart. A .frd file keeps six
-    digits: a large rigid motion takes them away from the strains. Wedges of 15 nodes are read from .frd files only:
-    meshio 5.3 does not know them.
+    An axisymmetric model with plane output looks like a plane one: only CalculiX's input file of the same name, if it
+    is beside the results, tells them apart. A .frd file keeps six digits: a large rigid motion takes them away from the
+    strains. Wedges of 15 nodes are read from .frd files only: meshio 5.3 does not know them.
 
     Examples
     --------
@@ -89,6 +91,8 @@ def read_displacements(path: str | Path, step: int = -1) -> DisplacementField:
         raise FileNotFoundError(f"{path}: no such file")
     if path.suffix.lower() == ".frd":
         result, displacement = frd_displacements(path, step)
+        if _is_axisymmetric(path.with_suffix(".inp")):
+            raise ValueError(f"{path}: has axisymmetric elements (CAX) by its .inp: a plane model is needed")
         points, cells, u = result.nodes, result.cells, displacement.values
     else:
         points, cells, u, *_ = mesh_displacements(path, step)
@@ -129,7 +133,20 @@ def frd_displacements(path: Path, step: int) -> tuple[FrdResult, FrdField]:
             f"{path}: no finite displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
             "nodes); ask CalculiX for all: *NODE FILE without NSET, and see whether the run converged"
         )
-    return result, field
+    # nodes of flows, shells and beams have more than three
+    of_space = replace(field, components=field.components[:3], read=lambda: field.values[:, :3])
+    return result, of_space
+
+
+def _is_axisymmetric(beside: Path) -> bool:
+    """Whether an input file has axisymmetric elements; displacements need none, so that none need be readable."""
+    try:
+        return beside.is_file() and any(
+            block.keyword == "ELEMENT" and plain(block.parameters.get("TYPE", "")).startswith("CAX")
+            for block in blocks(beside)
+        )
+    except (OSError, ValueError):
+        return False
 
 
 class MeshStep(NamedTuple):
