@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -21,8 +22,11 @@ from rich.progress import (
 from precompute.spec import SweepSpec, read_spec
 from precompute.store import assemble, write
 from precompute.sweep import run_sweep
+from slmm.input_file import shown
+from slmm.terminal import Application, console, errors, refusals, say_error
+from slmm.whole_file import NotWrittenError
 
-app = typer.Typer(add_completion=False)
+app = Application(add_completion=False)
 DEFAULT_OUTPUT = Path("models/cells.nc")
 
 
@@ -43,19 +47,50 @@ def precompute(
 
     Killed at any moment, the same command resumes and ends with the same file.
     """
-    errors = Console(stderr=True)
-    try:
+    with refusals():
         spec = read_spec(spec_file) if spec_file else SweepSpec()
         if poisson is not None:
             title = f"Crack cells for the effective Poisson's ratio {poisson:g}"
             spec = SweepSpec.model_validate(spec.model_dump() | {"poisson": (poisson,), "title": title})
-        if output.is_dir():
-            raise ValueError(f"{output}: is a folder; name the file to write")
-        parts = output.with_name(f"{output.name}.{spec.fingerprint}.parts")
+        parts = _parts_folder(output, spec)
+        with _word_of_parts(parts):
+            _sweep(spec, parts, workers)
+            write(assemble(spec, parts), output, parts)
+        shutil.rmtree(parts)
+        console().print(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
+
+
+def _parts_folder(output: Path, spec: SweepSpec) -> Path:
+    """The folder of the results that are there, which is made if it is not."""
+    if os.path.isdir(output):
+        raise ValueError(f"-o {shown(output)}: is a folder; name the file to write")
+    parts = output.with_name(f"{output.name}.{spec.fingerprint}.parts")
+    try:
         parts.mkdir(parents=True, exist_ok=True)
-    except (ValueError, OSError) as error:
-        errors.print(f"[red]error:[/] {error}", highlight=False)
-        raise typer.Exit(2) from None
+    except OSError as error:
+        says = error.strerror or str(error)
+        raise ValueError(f"-o {shown(output)}: a folder beside it cannot be made: {says}") from error
+    return parts
+
+
+@contextlib.contextmanager
+def _word_of_parts(parts: Path) -> Iterator[None]:
+    """Say where results lie when the work ends before they are joined; a folder without any is removed."""
+    try:
+        yield
+    except BaseException as error:
+        if not any(parts.iterdir()):
+            parts.rmdir()
+            raise
+        says = f"the same command goes on with what is in {shown(parts)}"
+        if isinstance(error, NotWrittenError):
+            raise NotWrittenError(f"{error}; {says}") from error
+        say_error(f"stopped; {says}")
+        raise
+
+
+def _sweep(spec: SweepSpec, parts: Path, workers: int) -> None:
+    """All cells, with a progress bar."""
     columns = (
         TextColumn("crack cells"),
         BarColumn(),
@@ -63,9 +98,6 @@ def precompute(
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=errors) as bar:
+    with Progress(*columns, console=errors()) as bar:
         task = bar.add_task("cells", total=None)
         run_sweep(spec, parts, workers, lambda done, of: bar.update(task, completed=done, total=of))
-    write(assemble(spec, parts), output, parts)
-    shutil.rmtree(parts)
-    Console().print(f"{output}: {output.stat().st_size / 1e6:.1f} MB")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from precompute.grading import Fineness
 from precompute.modes import Mode, complete_modes, published_modes
+from slmm.input_file import shown
+from slmm.scene_error import problems_of
+from slmm.toml_file import read_toml
 
 #: Effective Poisson's ratios that the default database spans: plane stress from -0.9, plane strain to 0.4949.
 POISSON_RANGE = (-0.9, 0.98)
@@ -123,6 +125,10 @@ class SweepSpec(BaseModel):
 def read_spec(path: Path) -> SweepSpec:
     """Read a sweep from a TOML file; raises ValueError that names what is wrong."""
     try:
-        return SweepSpec.model_validate(tomllib.loads(path.read_text()))
-    except (tomllib.TOMLDecodeError, ValidationError) as error:
-        raise ValueError(f"{path}: {error}") from error
+        return SweepSpec.model_validate(read_toml(path))
+    except ValidationError as error:
+        raise ValueError(
+            f"{shown(path)}: {'; '.join(problems_of(error, {(): [*SweepSpec.model_fields]}))}"
+        ) from error
+    except ValueError as error:
+        raise ValueError(f"{shown(path)}: {error}") from error

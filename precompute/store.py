@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import shlex
 import sys
@@ -15,19 +14,19 @@ import xarray as xr
 
 from precompute.crack_cell import HALF_HEIGHT, right_edge
 from precompute.spec import SweepSpec
-from precompute.sweep import part_file
+from precompute.sweep import read_part
 from slmm import __version__
 from slmm.cell_file import LAYOUT, SCHEMA
 from slmm.model_file import checksum
+from slmm.whole_file import whole_file
 
 
 def assemble(spec: SweepSpec, folder: Path) -> xr.Dataset:
     """The database from the part files of a finished sweep."""
     cells = [
-        [np.load(part_file(folder, (i, j))) for j in range(len(spec.poisson))]
-        for i in range(len(spec.curvature))
+        [read_part(folder, (i, j)) for j in range(len(spec.poisson))] for i in range(len(spec.curvature))
     ]
-    opened = [np.load(part_file(folder, (i, -1)))["compliance"] for i in range(len(spec.curvature))]
+    opened = [read_part(folder, (i, -1))["compliance"] for i in range(len(spec.curvature))]
     modes = spec.mode_list
     values = {
         "K": (np.array([[cell["K"] for cell in row] for row in cells]), "N/mm", "stiffness between modes"),
@@ -109,12 +108,8 @@ def write(dataset: xr.Dataset, path: Path, folder: Path) -> None:
     It grows in ``folder``, which is on the same file system and removed in the end, so that a killed run
     leaves nothing beside ``path``.
     """
-    unfinished = folder / f"database.{os.getpid()}.partial"
     encoding = {
         name: {"zlib": True, "complevel": 9, "shuffle": True} for name in ("K", "stress", "compliance")
     }
-    try:
+    with whole_file(path, folder) as unfinished:
         dataset.to_netcdf(unfinished, engine="netcdf4", encoding=encoding)
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
-import zipfile
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
@@ -21,6 +20,8 @@ from threadpoolctl import threadpool_limits
 from precompute.crack_cell import solve_cell
 from precompute.spec import SweepSpec
 from precompute.unbounded import unbounded_compliance
+from slmm.array_file import read_arrays
+from slmm.whole_file import whole_file
 
 #: (curvature index, Poisson index); Poisson index -1 is the compliance in an unbounded body
 Task = tuple[int, int]
@@ -37,12 +38,18 @@ def part_file(folder: Path, task: Task) -> Path:
     return folder / f"cell_{task[0]:03d}_{task[1] + 1:03d}.npz"
 
 
-def is_whole(part: Path) -> bool:
-    """Whether a part file is there and sound (zip archives carry a checksum of every array)."""
+def read_part(folder: Path, task: Task) -> dict[str, np.ndarray]:
+    """The result of a task that is done; raises ValueError when its file is damaged (zip keeps a checksum of each)."""
+    return read_arrays(
+        part_file(folder, task), ("compliance",) if task[1] < 0 else ("K", "stress"), "part of a sweep"
+    )
+
+
+def is_done(folder: Path, task: Task) -> bool:
+    """Whether the result of a task is there and sound."""
     try:
-        with zipfile.ZipFile(part) as archive:
-            return archive.testzip() is None
-    except (OSError, zipfile.BadZipFile, EOFError):
+        return all(np.isfinite(array).all() for array in read_part(folder, task).values())
+    except (ValueError, TypeError):  # not even numbers
         return False
 
 
@@ -59,13 +66,10 @@ def run_task(spec: SweepSpec, task: Task, folder: Path) -> Task:
                 spec.curvature[i], spec.poisson[j], lengths, spec.eta, spec.mode_list, spec.fineness
             )
             result = {"K": cell.K, "stress": cell.stress}
-    target = part_file(folder, task)
-    unfinished = target.with_suffix(f".{os.getpid()}.partial")
-    with open(unfinished, "wb") as stream:
+    with whole_file(part_file(folder, task)) as unfinished, open(unfinished, "wb") as stream:
         np.savez(stream, **result)  # type: ignore[arg-type]
         stream.flush()
         os.fsync(stream.fileno())
-    os.replace(unfinished, target)
     return task
 
 
@@ -100,7 +104,7 @@ def run_sweep(
     """
     folder.mkdir(parents=True, exist_ok=True)
     everything = tasks(spec)
-    left = [task for task in everything if not is_whole(part_file(folder, task))]
+    left = [task for task in everything if not is_done(folder, task)]
     done = len(everything) - len(left)
     progress(done, len(everything))
     if workers == 1:
@@ -112,7 +116,11 @@ def run_sweep(
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent) as pool:
         futures = [pool.submit(run_task, spec, task, folder) for task in left]
-        for future in as_completed(futures):
-            future.result()
-            done += 1
-            progress(done, len(everything))
+        try:
+            for future in as_completed(futures):
+                future.result()
+                done += 1
+                progress(done, len(everything))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)  # else all the others would be computed first
+            raise

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import platform
 import shlex
 import sys
@@ -33,7 +32,6 @@ import skfem
 import typer
 import xarray as xr
 from numpy.polynomial.chebyshev import chebfit, chebval
-from rich.console import Console
 from rich.progress import track
 
 from precompute.half_body import HalfBody
@@ -43,6 +41,8 @@ from slmm.fem.crack_line import crack_factor
 from slmm.initiation.v_notch_table import LAYOUT, SCHEMA
 from slmm.initiation.williams import half_angle, release_coefficient, singular_exponent, williams_fields
 from slmm.model_file import checksum
+from slmm.terminal import Application, check_target, console, errors, refusals
+from slmm.whole_file import whole_file
 
 #: Poisson's ratio of the models; no result depends on it
 NU = 0.3
@@ -377,17 +377,13 @@ def assemble(spec: NotchSpec, results: list[NotchResult]) -> xr.Dataset:
 
 def write(dataset: xr.Dataset, path: Path) -> None:
     """Write the file whole or not at all."""
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    try:
+    with whole_file(path) as unfinished:
         dataset.to_netcdf(
             unfinished, engine="netcdf4", encoding={name: {"zlib": True, "shuffle": True} for name in LAYOUT}
         )
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
-app = typer.Typer(add_completion=False)
+app = Application(add_completion=False)
 
 
 @app.command()
@@ -395,15 +391,12 @@ def v_notches(
     output: Annotated[Path, typer.Option("-o", "--output", help="The table to write.")] = DEFAULT_OUTPUT,
 ) -> None:
     """Solve rounded V-notches of all opening angles once and write them as a netCDF table."""
-    if output.is_dir() or not output.parent.is_dir():
-        Console(stderr=True).print(
-            f"[red]error:[/] {output}: name a file in a folder that exists", highlight=False
-        )
-        raise typer.Exit(2)
-    spec = NotchSpec()
-    angles = track(np.radians(spec.openings), description="V-notches", console=Console(stderr=True))
-    write(assemble(spec, [solve_notch(opening, spec) for opening in angles]), output)
-    Console().print(f"{output}: {output.stat().st_size / 1e3:.0f} kB")
+    with refusals():
+        check_target(output, (".nc",), "-o")
+        spec = NotchSpec()
+        angles = track(np.radians(spec.openings), description="V-notches", console=errors())
+        write(assemble(spec, [solve_notch(opening, spec) for opening in angles]), output)
+        console().print(f"{output}: {output.stat().st_size / 1e3:.0f} kB")
 
 
 if __name__ == "__main__":

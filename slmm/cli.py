@@ -6,25 +6,27 @@ Libraries that take long to import are imported where they are needed, so that h
 from __future__ import annotations
 
 import json
+import math
 import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
+from slmm.encoding import has
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS  # the package itself has imported it
 from slmm.optimize_command import optimize
 from slmm.terminal import (
+    Application,
     check_no_input,
     check_target,
     console,
     progress_bar,
     refusals,
     say_error,
+    table_box,
     word_on_compilation,
 )
 from slmm.whole_file import whole_file
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
 
     from slmm.fem.element_results import ElementResults
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = Application(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.add_typer(optimize, name="optimize")
 
 RESULT_FORMATS = (".nc",)
@@ -76,6 +78,12 @@ def initiation(
             metavar="FILE",
             help="Displacements of the uncracked part from a finite element model (.frd, .vtu, .xdmf and others), for "
             f"the methods {', '.join(ON_DISPLACEMENTS)}.",
+        ),
+    ] = None,
+    field: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Which nodal data of --displacements they are, where names do not tell."
         ),
     ] = None,
     average: Annotated[
@@ -123,6 +131,7 @@ def initiation(
                 tolerance=tolerance,
                 displacements=displacements,
                 progress=progress,
+                field=field,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
@@ -130,12 +139,18 @@ def initiation(
                     result.to_netcdf(unfinished, engine="netcdf4")
             if plot is not None:
                 progress(1.0, "picture")
+                from slmm.figure_file import write_figure
                 from slmm.plot import plot_initiation
 
-                figure = plot_initiation(scene, result, displacements)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                model: object = displacements
+                if displacements is not None and field is not None:
+                    from slmm.fem.results import read_displacements
+
+                    model = read_displacements(displacements, field=field)
+                figure = plot_initiation(scene, result, model)
+                write_figure(figure, plot)
         from slmm import summary
+        from slmm.verdict import conclude
 
         if as_json:
             print(summary.as_json(result))
@@ -143,6 +158,8 @@ def initiation(
             _print_result(result)
         if not summary.by_criticality(result):
             say_error("no position has a failure index")
+            raise typer.Exit(1)
+        if conclude(result).is_open:
             raise typer.Exit(1)
 
 
@@ -163,6 +180,10 @@ def forces(
         ),
     ] = None,
     step: Annotated[int, typer.Option(help="Which step of the file, from 0; from the end if negative.")] = -1,
+    field: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Which nodal data are the displacements, where names do not tell."),
+    ] = None,
     young: Annotated[
         float | None,
         typer.Option(metavar="E", help="Young's modulus, MPa: stresses follow from the displacements."),
@@ -183,6 +204,22 @@ def forces(
         float | None, typer.Option(help="Of plane models, mm; else what the .inp file says, or 1.")
     ] = None,
     contours: Annotated[int, typer.Option(min=1, help="Number of domains around each crack tip.")] = 5,
+    symmetry: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="x|y",
+            help="Half model: the direction in which nothing moves on its line of symmetry, or that line, as y=20; a "
+            "second one for a quarter. All results are those of the whole part.",
+        ),
+    ] = None,
+    tip: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="X,Y[,ANGLE]",
+            help="A crack tip that is not found by itself, mm, as of a narrow notch; with the direction in which it "
+            "points, degrees, if it is not the middle between the faces. May be given several times.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="OUT.vtu", help="Write mesh and nodal forces for ParaView."),
@@ -199,44 +236,48 @@ def forces(
         check_no_input([result_file, inp], {"-o": output, "--plot": plot})
         if (young is None) != (poisson is None):
             raise ValueError("--young and --poisson belong together: give both, or none")
+        tips = [_tip_place(text) for text in tip or ()]
         with progress_bar() as progress, word_on_compilation():
             progress(0.0, "reading")
             from slmm.configurational_forces import nodal_configurational_forces
             from slmm.fem.elasticity import Elasticity
             from slmm.fem.read_results import read_element_results
             from slmm.fem.vtu import write_vtu
+            from slmm.figure_file import write_figure
             from slmm.fracture.loading import crack_tip_loading
+            from slmm.fracture.symmetry import whole_part
             from slmm.plot_forces import plot_forces
 
             elasticity = None
             if young is not None and poisson is not None:
                 elasticity = Elasticity(young, poisson, "plane stress" if plane_stress else "plane strain")
             results = read_element_results(
-                result_file, step, elasticity, method=method, reduced=reduced, thickness=thickness, inp=inp
+                result_file, step, elasticity, method, reduced, thickness, inp, field
             )
             progress(0.4, "forces")
+            whole = whole_part(results, symmetry or ())
             found = nodal_configurational_forces(
-                results.points, results.cells, results.u, results.stress, results.energy, results.method,
-                results.thickness,
-            )  # fmt: skip
+                whole.points, whole.cells, whole.u, whole.stress, whole.energy, whole.method, whole.thickness
+            )
             if plot is not None and results.dimension != 2:
                 raise ValueError(f"--plot {plot}: pictures are drawn of plane models; -o writes a .vtu file")
             progress(0.6, "crack tips")
-            loading = crack_tip_loading(results, contours, found) if results.dimension == 2 else None
+            loading = None
+            if results.dimension == 2:
+                loading = crack_tip_loading(results, contours, found, symmetry or (), tips)
             if output is not None:
                 with whole_file(output) as unfinished:
-                    write_vtu(unfinished, results, found)
+                    write_vtu(unfinished, whole, found)
             if plot is not None and loading is not None:
                 progress(0.8, "picture")
-                figure = plot_forces(results, found, loading)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                figure = plot_forces(whole, found, loading)
+                write_figure(figure, plot)
         from slmm import tip_summary
 
         if as_json:
-            print(tip_summary.as_json(results, found, loading))
+            print(tip_summary.as_json(whole, found, loading))
         else:
-            _print_forces(results, found, loading)
+            _print_forces(whole, found, loading)
 
 
 @app.command()
@@ -256,13 +297,15 @@ def info(
 
 def _print_result(result: xr.Dataset) -> None:
     from slmm.summary import by_criticality, methods_used, position_record, status_counts, verdict
+    from slmm.verdict import conclude, remedy
 
     ranked = by_criticality(result)
     n = result.sizes["position"]
     title = result.attrs.get("title") or "Failure indices"
+    out = console()
     table = Table(
         title=f"{title} ({result.attrs['method']}): {min(LISTED, len(ranked))} most critical of {n} positions",
-        box=SIMPLE_HEAD,
+        box=table_box(out),
     )
     rows = [position_record(result, i) for i in ranked[:LISTED]]
     columns = [("x", "x\nmm", ".2f"), ("y", "y\nmm", ".2f"), ("failure_index", "failure\nindex", ".4f")]
@@ -282,12 +325,15 @@ def _print_result(result: xr.Dataset) -> None:
     for i, row in zip(ranked, rows, strict=False):
         numbers = (_text(row[name], digits) for name, _, digits in columns)
         table.add_row(str(i), *numbers, *(str(row[name]) for name in words))
-    out = console()
     if ranked:
         out.print(table)
-    out.print(verdict(result), soft_wrap=True, markup=False)
+    out.print(verdict(result), soft_wrap=True)
     counts = "; ".join(f"{count} {status}" for status, count in status_counts(result).items())
-    out.print(f"Positions: {counts}.", soft_wrap=True, markup=False)
+    out.print(f"Positions: {counts}.", soft_wrap=True)
+    if (helps := remedy(result)) and not conclude(result).is_open:  # which says it, too
+        out.print(f"To have values at the others, {helps}.", soft_wrap=True)
+    if "cost" in result.attrs:
+        out.print(f"Cost: {result.attrs['cost']}.", soft_wrap=True)
 
 
 def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | None) -> None:
@@ -295,9 +341,12 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
 
     out = console()
     elements = ", ".join(f"{len(nodes)} {name}" for name, nodes in results.cells.items())
+    image = loading.attrs["symmetry"] if loading is not None else ""
     out.print(
-        f"{len(results.points)} nodes, {elements}; stresses from {results.source}; method {results.method}.",
+        f"{len(results.points)} nodes, {elements}; stresses from {results.source}; method {results.method}"
+        f"{f'; with the image by symmetry {image}' if image else ''}.",
         soft_wrap=True,
+        markup=False,
     )
     if (force := interface_force(results, forces)) is not None:
         vector = ", ".join(f"{component:.5g}" for component in force)
@@ -307,10 +356,9 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
             "Crack tips are looked for in plane models only; -o writes the nodal forces.", soft_wrap=True
         )
         return
+    if remark := loading.attrs["remark"]:
+        out.print(remark, soft_wrap=True, markup=False)
     if not loading.sizes["tip"]:
-        out.print(
-            "No crack tip: no two faces that lie on each other end inside the material.", soft_wrap=True
-        )
         return
     columns = {
         "x": ".2f",
@@ -321,8 +369,9 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
         "K_I": ".4g",
         "K_II": ".4g",
     }
-    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": "MPa√mm"}
-    table = Table("tip", title="Crack tips", box=SIMPLE_HEAD, pad_edge=False)
+    root = "MPa√mm" if has(out.encoding, "√") else "MPa\nsqrt(mm)"  # as narrow
+    units = {"mm": "mm", "degree": "deg", "N/mm": "N/mm", "MPa sqrt(mm)": root}
+    table = Table("tip", title="Crack tips", box=table_box(out), pad_edge=False)
     for name in columns:
         heading = f"{name.replace('_', ' ')}\n{units[loading[name].attrs['units']]}"
         table.add_column(heading, justify="right", no_wrap=True)
@@ -337,7 +386,18 @@ def _print_forces(results: ElementResults, forces: np.ndarray, loading: xr.Datas
         )
     out.print(table)
     for k in range(len(records)):
-        out.print(tip_sentence(loading, k), soft_wrap=True, markup=False)
+        out.print(tip_sentence(loading, k), soft_wrap=True)
+
+
+def _tip_place(text: str) -> list[float]:
+    """What --tip says: x, y and perhaps an angle."""
+    try:
+        place = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        place = []
+    if len(place) not in (2, 3) or not all(map(math.isfinite, place)):
+        raise ValueError(f"--tip {text}: must be X,Y in mm, or X,Y,ANGLE with the direction in degrees")
+    return place
 
 
 def _text(value: float | None, digits: str) -> str:
@@ -370,7 +430,7 @@ def _print_database(path: Path, cells: xr.Dataset) -> None:
     table.add_column(overflow="fold")
     for name, text in lines.items():
         table.add_row(name, str(text))
-    Console(highlight=False, markup=False).print(table)
+    console().print(table)
 
 
 def _scalars(settings: str) -> str:

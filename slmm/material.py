@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 State = Literal["plane stress", "plane strain"]
+
+#: E, sigma_c, K_Ic and G_c lie between these in any unit that anybody uses, and Irwin's length then is a finite number
+LEAST, MOST = 1e-30, 1e30
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,8 @@ class Material:
             value = getattr(self, symbol)
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"material.{symbol} = {value!r}: must be a positive number")
+            if not LEAST <= value <= MOST:
+                raise ValueError(f"material.{symbol} = {value!r}: must lie between {LEAST:g} and {MOST:g}")
         if not (math.isfinite(self.nu) and -1 < self.nu < 0.5):
             raise ValueError(f"material.nu = {self.nu!r}: must lie between -1 and 0.5")
         if self.state not in ("plane stress", "plane strain"):
@@ -69,9 +74,16 @@ class Material:
         """Material from its fracture toughness ``K_Ic`` in MPa sqrt(m)."""
         if not (math.isfinite(K_Ic) and K_Ic > 0):
             raise ValueError(f"material.K_Ic = {K_Ic!r} MPa sqrt(m): must be a positive number")
-        K = K_Ic * math.sqrt(1000.0)
-        E_prime = E / (1 - nu**2) if state == "plane strain" else E
-        return cls(E, nu, sigma_c, K**2 / E_prime, state, name)
+        if not LEAST <= K_Ic <= MOST:
+            raise ValueError(f"material.K_Ic = {K_Ic!r} MPa sqrt(m): must lie between {LEAST:g} and {MOST:g}")
+        once = cls(E, nu, sigma_c, 1.0, state, name)  # refuses the other constants by their own names
+        G_c = K_Ic**2 * 1000.0 / once.plane_stress_equivalent[0]
+        if not LEAST <= G_c <= MOST:
+            raise ValueError(
+                f"material.K_Ic = {K_Ic!r} MPa sqrt(m): makes G_c = {G_c:g} N/mm with E = {E!r} MPa, which must lie "
+                f"between {LEAST:g} and {MOST:g}"
+            )
+        return replace(once, G_c=G_c)
 
     @classmethod
     def from_name(cls, name: str, state: State = "plane stress") -> Material:

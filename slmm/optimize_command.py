@@ -13,15 +13,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from slmm.input_file import shown
 from slmm.terminal import (
     check_target,
     console,
     progress_bar,
     refusals,
     say_error,
+    table_box,
     word_on_compilation,
 )
-from slmm.whole_file import whole_file
+from slmm.whole_file import NotWrittenError, whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,6 +92,7 @@ def cantilever(
             raise ValueError("--resume: needs -o, beside which the journals lie")
         its = _settings(depth, radius, settings or [])
         with progress_bar() as progress, word_on_compilation():
+            from slmm.figure_file import write_figure
             from slmm.optimization import Cantilever
             from slmm.optimization.brute_force import BEST, brute_force
             from slmm.optimization.runs import search_runs
@@ -133,8 +136,7 @@ def cantilever(
                     result.to_netcdf(unfinished, engine="netcdf4")
             if plot is not None:
                 figure = plot_optimization(beam, result)
-                with whole_file(plot) as unfinished:
-                    figure.savefig(unfinished, format=plot.suffix[1:].lower(), dpi=120)
+                write_figure(figure, plot)
         if as_json:
             print(json.dumps(_record(result), indent=2))
         else:
@@ -148,16 +150,23 @@ def word_of_journals(journals: Path | None) -> Iterator[None]:
         yield
     except ValueError:
         raise
-    except BaseException:
-        if journals is not None and journals.is_dir():
-            say_error(f"stopped; with --resume it goes on with what is in {journals}")
+    except BaseException as error:
+        if journals is None or not journals.is_dir():
+            raise
+        if not any(journals.iterdir()):
+            journals.rmdir()
+            raise
+        says = f"with --resume it goes on with what is in {journals}"
+        if isinstance(error, NotWrittenError):
+            raise NotWrittenError(f"{error}; {says}") from error
+        say_error(f"stopped; {says}")
         raise
 
 
 def _grid(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"([0-9]+)x([0-9]+)", text)
+    match = re.fullmatch(r"([0-9]{1,9})x([0-9]{1,9})", text)
     if match is None:
-        raise ValueError(f"--grid {text}: must be columns x rows, as 8x5")
+        raise ValueError(f"--grid {shown(text)}: must be columns x rows, as 8x5")
     return int(match[1]), int(match[2])
 
 
@@ -170,10 +179,12 @@ def _settings(depth: int | None, radius: int | None, others: list[str]) -> dict[
         name, equals, value = text.partition("=")
         try:
             found[name] = json.loads(value)
-        except json.JSONDecodeError:
+        except (ValueError, RecursionError):  # no JSON; a number of too many digits; lists without bottom
             equals = ""
         if not (name and equals):
-            raise ValueError(f"--set {text}: must be NAME=VALUE with a number or JSON, as temperature=0.05")
+            raise ValueError(
+                f"--set {shown(text)}: must be NAME=VALUE with a number or JSON, as temperature=0.05"
+            )
     return found
 
 
@@ -208,7 +219,6 @@ def _rows(design: Any) -> list[str]:
 
 def _print(result: xr.Dataset) -> None:
     """The best design, and the runs in order."""
-    from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
     out = console()
@@ -221,7 +231,7 @@ def _print(result: xr.Dataset) -> None:
     order = result.value.argsort().values
     table = Table(
         title=f"{result.attrs['algorithm']}: best {min(LISTED, len(order))} of {len(order)} runs",
-        box=SIMPLE_HEAD,
+        box=table_box(out),
         pad_edge=False,
     )
     for name in ("seed", "sag of the end\nmm", "simulations"):
@@ -242,4 +252,4 @@ def _print(result: xr.Dataset) -> None:
 
 def _print_design(design: Any) -> None:
     for row in design:
-        print("  " + "".join("█" if cell else "·" for cell in row))
+        console().print("  " + "".join("█" if cell else "·" for cell in row), soft_wrap=True)

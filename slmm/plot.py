@@ -78,7 +78,7 @@ def plot_initiation(scene: Scene, result: xr.Dataset, displacements: Any = None)
         ranked = by_criticality(result)
         FI = f"FI = {index_with_error(result, ranked[0])}" if ranked else "no failure index"
         method = method_used(result, ranked[0]) if ranked else result.attrs["method"]
-        figure.suptitle(f"{scene.title or 'Crack initiation'}: {FI} ({method})")
+        figure.suptitle(f"{scene.title or 'Crack initiation'}: {FI} ({method})", parse_math=False)
     return figure
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -21,14 +20,19 @@ from pydantic import (
     field_validator,
     model_validator,
 )
+from shapely import STRtree, prepare
+from shapely import polygons as polygons_of
 
 from slmm.contours import shapes
-from slmm.contours.checks import crack_problems, hole_problems, position_problems
+from slmm.contours.checks import crack_problems, hole_problems, overlaps_united, position_problems
 from slmm.contours.image import outlines_in_picture
 from slmm.contours.outline import Outline
 from slmm.contours.points import point_problems, polygon_problems, read_points, without_repetition
-from slmm.material import MATERIALS, Material, State
+from slmm.encoding import without_control
+from slmm.input_file import input_problem, shown
+from slmm.material import LEAST, MATERIALS, MOST, Material, State
 from slmm.scene_error import SceneError, problems_of
+from slmm.toml_file import read_toml
 
 Array = NDArray[np.float64]
 Method = Literal[
@@ -45,16 +49,34 @@ Method = Literal[
     "auto",
 ]
 
+
+def _at_least(least: float) -> AfterValidator:
+    """Of a positive number, so that what is negative or zero is told that first."""
+
+    def check(value: float) -> float:
+        if value < least:
+            raise ValueError(f"must be at least {least:g}")
+        return value
+
+    return AfterValidator(check)
+
+
 # Strict: a number in quotes, or true for 1, is a mistake and not a number. Coordinates have a bound so that
-# squares and products of them stay finite.
+# squares and products of them stay finite, and lengths one below which these would vanish.
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinate = Annotated[Number, Field(ge=-1e9, le=1e9)]
-Length = Annotated[Number, Field(gt=0, le=1e9)]
+Length = Annotated[Number, Field(gt=0, le=1e9), _at_least(1e-9)]
 Radius = Annotated[Number, Field(ge=0, le=1e9)]
+Angle = Annotated[Number, Field(ge=-1e6, le=1e6)]
+Constant = Annotated[Number, Field(gt=0, le=MOST), _at_least(LEAST)]
 Count = Annotated[int, Field(strict=True)]
 PlanePoint = tuple[Coordinate, Coordinate]
 
 
+#: of an outline as a polygon, where it keeps lines from passing
+POLYGON_POINTS = 400
+#: characters
+LONGEST_TITLE = 1000
 #: radius over the length of the outline down to which a spline through points can follow a rounded corner
 SHARPEST_OF_SPLINE = 7e-4
 
@@ -66,11 +88,19 @@ def _as_lists(value: object) -> object:
 PlanePoints = Annotated[tuple[PlanePoint, ...], BeforeValidator(_as_lists)]
 
 
+def _printable(title: str) -> str:
+    if without_control(title) != title:
+        raise ValueError("must not have control characters")
+    if len(title) > LONGEST_TITLE:
+        raise ValueError(f"has {len(title)} characters; must have at most {LONGEST_TITLE}")
+    return title
+
+
 def _in_folder(file: str, info: ValidationInfo) -> str:
-    path = Path((info.context or {}).get("folder", ".")) / file
-    if not path.is_file():
-        raise ValueError(f"there is no such file in {path.parent.resolve()}")
-    return str(path.resolve())
+    folder = Path((info.context or {}).get("folder", "."))
+    if problem := input_problem(folder / file):
+        raise ValueError(f"{problem}, in {folder.resolve()}")
+    return str((folder / file).resolve())
 
 
 File = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_in_folder)]
@@ -108,7 +138,7 @@ class EllipseHole(Table):
     shape: Literal["ellipse"]
     center: PlanePoint
     semi_axes: tuple[Length, Length]
-    angle: Number = 0.0
+    angle: Angle = 0.0
 
     def outlines(self, plate: Plate) -> list[Outline]:
         """Its outline, as a list of one."""
@@ -122,7 +152,7 @@ class RectangleHole(Table):
     center: PlanePoint
     size: tuple[Length, Length]
     corner_radius: Number
-    angle: Number = 0.0
+    angle: Angle = 0.0
 
     @model_validator(mode="after")
     def _corners_fit(self) -> Self:
@@ -171,7 +201,7 @@ class VNotchHole(Table):
 
     shape: Literal["v-notch"]
     tip: PlanePoint
-    direction: Number
+    direction: Angle
     opening: Annotated[Number, Field(ge=0, lt=180)]
     radius: Radius = 0.0
     depth: Length | None = None
@@ -219,7 +249,7 @@ class PointsHole(Table):
         problems = point_problems(points.reshape(-1, 2))
         if problems:
             raise ValueError("; ".join(problems))
-        return [Outline.through(points)]
+        return [Outline.through(without_repetition(points))]
 
 
 class ImageHole(Table):
@@ -250,11 +280,11 @@ class MaterialTable(Table):
     """Material by its name, or by its constants with exactly one of K_Ic (MPa sqrt(m)) and G_c (N/mm)."""
 
     name: str | None = None
-    E: Length | None = None
+    E: Constant | None = None
     nu: Annotated[Number, Field(gt=-1, lt=0.5)] | None = None
-    sigma_c: Length | None = None
-    K_Ic: Length | None = None
-    G_c: Length | None = None
+    sigma_c: Constant | None = None
+    K_Ic: Constant | None = None
+    G_c: Constant | None = None
     state: State = "plane stress"
 
     CONSTANTS: ClassVar[tuple[str, ...]] = ("E", "nu", "sigma_c", "K_Ic", "G_c")
@@ -313,6 +343,9 @@ class Load(Table):
         value = self.strain or (self.displacement or self.stress,)
         if not any(value):
             raise ValueError("is zero; without a load there is no failure to predict")
+        size = max(abs(x) for x in value if x is not None)
+        if not LEAST <= size <= MOST:
+            raise ValueError(f"is {size:g}; the largest number must lie between {LEAST:g} and {MOST:g}")
         return self
 
 
@@ -327,7 +360,7 @@ class Analysis(Table):
     cells and strength criteria take the uncracked part's field from.
     """
 
-    method: Method = "slmm+ac"
+    method: Method = "auto"
     positions: Annotated[Count, Field(ge=1, le=100_000)] = 50
     points: Annotated[PlanePoints, Field(min_length=1)] | None = None
     voxels: Literal["auto"] | Count = "auto"
@@ -378,7 +411,7 @@ class Scene(Table):
     10.0
     """
 
-    title: Annotated[str, Field(strict=True)] = ""
+    title: Annotated[str, Field(strict=True), AfterValidator(_printable)] = ""
     plate: Plate
     holes: tuple[Hole, ...] = ()
     cracks: tuple[Crack, ...] = ()
@@ -418,8 +451,15 @@ class Scene(Table):
 
     @cached_property
     def outlines(self) -> tuple[Outline, ...]:
-        """Outlines of all holes, in the order of the file; a picture may give several."""
+        """Outlines of all holes, in the order of the file; a picture may give several, holes that overlap one."""
         return tuple(outline for _, outline in self._named_outlines)
+
+    @cached_property
+    def notches(self) -> STRtree:
+        """The outlines as polygons, in a tree that finds those near a line."""
+        polygons = polygons_of([outline.polygon(POLYGON_POINTS) for outline in self.outlines])
+        prepare(polygons)
+        return STRtree(polygons)
 
     @cached_property
     def _named_outlines(self) -> tuple[tuple[str, Outline], ...]:
@@ -434,6 +474,8 @@ class Scene(Table):
                 continue
             for k, outline in enumerate(outlines):
                 named.append((f"holes[{i}]" + (f" (outline {k})" if len(outlines) > 1 else ""), outline))
+        if not problems:
+            named, problems = overlaps_united(named, self.plate.width, self.plate.height)
         if problems:
             raise SceneError(problems)
         return tuple(named)
@@ -526,12 +568,8 @@ def read_scene(path: str | Path) -> Scene:
     """
     path = Path(path)
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise SceneError([f"cannot be read: {error.strerror}"], str(path)) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise SceneError([f"is not a TOML file: {error}"], str(path)) from error
-    try:
-        return Scene.from_dict(tables, path.parent)
+        return Scene.from_dict(read_toml(path), path.parent)
     except SceneError as error:
-        raise SceneError(error.problems, str(path)) from None
+        raise SceneError(error.problems, shown(path)) from None
+    except ValueError as error:
+        raise SceneError([str(error)], shown(path)) from error

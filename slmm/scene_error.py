@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,6 +10,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 MAX_LISTED = 20
+MAX_KEY = 120  # characters
 
 _TYPES = {
     "missing": "is missing",
@@ -90,6 +92,8 @@ def _sentence(item: ErrorDetails, known_keys: Mapping[tuple[str, ...], Sequence[
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         loc.append("shape")
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc).lstrip(".")
+    if len(key) > MAX_KEY:
+        key = f"{key[: MAX_KEY // 2]}...{key[-MAX_KEY // 2 :]}"
 
     if kind == "extra_forbidden":
         known = known_keys.get(tables[:-1], ())
@@ -118,6 +122,23 @@ def _one_of_shapes(known_keys: Mapping[tuple[str, ...], Sequence[str]]) -> str:
     return f"{', '.join(others)} or {last}"
 
 
+class _Short(reprlib.Repr):
+    """Values as they are in Python, without what could not be shown anyway: endless numbers, bottomless tables."""
+
+    maxlevel = 6
+    maxlist = maxtuple = maxdict = maxset = 60
+    maxstring = maxother = 60
+
+    def repr_int(self, value: int, level: int) -> str:
+        """A whole number; Python itself refuses to write those of more than 4300 digits."""
+        if value.bit_length() > 200:
+            return f"a whole number of some {int(value.bit_length() * 0.30103)} digits"
+        return repr(value)
+
+
+_SHORT = _Short()
+
+
 def _shown(value: object) -> str:
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    text = f'"{value}"' if isinstance(value, str) else _SHORT.repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -10,6 +10,7 @@ import xarray as xr
 
 from slmm.fem.element_results import ElementResults
 from slmm.fem.neighbourhood import interface_nodes
+from slmm.fracture.loading import OK
 from slmm.summary import plain
 
 
@@ -46,11 +47,10 @@ def tip_sentence(loading: xr.Dataset, k: int) -> str:
         f"{100 * float(tip.spread):.2g} %"
     )
     kink = float(tip.kink.sel(criterion="MERR"))
-    return (
-        f"{says}, runs on at {kink:.1f} degrees (MERR)."
-        if np.isfinite(kink)
-        else f"{says}; {tip.status.item()}."
-    )
+    if np.isfinite(kink):
+        says += f", runs on at {kink:.1f} degrees (MERR)"
+    status = tip.status.item()
+    return f"{says}." if status == OK else f"{says}; {status}{'' if status.endswith('?') else '.'}"
 
 
 def as_json(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | None) -> str:
@@ -65,5 +65,7 @@ def as_json(results: ElementResults, forces: np.ndarray, loading: xr.Dataset | N
     }
     if loading is not None:
         content["units"] = {str(name): loading[name].attrs["units"] for name in loading.data_vars}
+        content["symmetry"] = loading.attrs["symmetry"] or None
+        content["remark"] = loading.attrs["remark"] or None
         content["tips"] = [tip_record(loading, k) for k in range(loading.sizes["tip"])]
     return json.dumps(plain(content), indent=2, allow_nan=False)

@@ -34,7 +34,7 @@ def random_elements(name, count, seed=0):
     return X, U, S + S.swapaxes(-1, -2), rng.normal(size=S.shape[:2])
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", [name for name in ELEMENTS if name.startswith("C")])
 def test_every_quantity_is_that_of_the_published_tool(name):
     conforce = pytest.importorskip("conforce.cf_c")
     X, U, S, e = random_elements(name, 50)

@@ -17,6 +17,7 @@ from slmm.fracture import crack_tip_loading
 from slmm.plot_forces import plot_forces
 
 DATA = Path(__file__).parent / "data"
+CASES = Path(__file__).parents[2] / "shared" / "cases"
 EDGE_CRACK, BAR = DATA / "edge_crack_2d.frd", DATA / "bar_3d.frd"
 
 
@@ -35,6 +36,41 @@ def test_table_and_sentence_of_the_crack_tip():
     assert "runs on at 0.0 degrees (MERR)" in result.stdout or "runs on at -0.0 degrees" in result.stdout
 
 
+CASES = Path(__file__).parents[2] / "shared" / "cases"
+
+
+@pytest.mark.parametrize(
+    ("case", "found"),
+    [
+        ("03-vtu-two-pieces/two.vtu", "6 nodes, 2 CPE4;"),
+        ("04-vtu-22-lagrange/version22.vtu", "4 nodes, 1 CPE4;"),
+        ("04-vtu-22-lagrange/lagrange4.vtu", "4 nodes, 1 CPE4;"),
+        ("08-displacement-names/aster.vtu", "736 nodes, 224 CPE8;"),
+        ("08-displacement-names/moose.e", "9 nodes, 4 CPE4;"),
+        ("16-lz4/lz4.vtu", "736 nodes, 224 CPE8;"),
+        ("17-pvtu/p.pvtu", "4 nodes, 1 CPE4;"),
+        ("18-unshared-nodes/dg.vtu", "1301 nodes, 400 CPE8;"),
+        ("19-pixel-voxel/pixel.vtu", "4 nodes, 1 CPE4;"),
+        ("19-pixel-voxel/voxel.vtu", "8 nodes, 1 C3D8;"),
+        ("22-quad9-forces/e_quad9.vtu", "9 nodes, 1 QUAD9;"),
+    ],
+)
+def test_files_of_other_programs_are_read_whole(case, found):
+    result = run(CASES / case, "--young", 210e3, "--poisson", 0.3)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.startswith(found)
+    if "18" in case:
+        assert "Tip 0 at (20, 20) mm: G = 23.68" in result.stdout
+
+
+@pytest.mark.parametrize("name", ["m", "m_negative", "m_offsets", "m_type999"])
+def test_numbers_that_are_none_are_refused(name):
+    path = CASES / "r05-vtu-index-out-of-range" / f"{name}.vtu"
+    result = run(path, "--young", 3000, "--poisson", 0.3)
+    assert result.exit_code == 2 and result.stdout == ""
+    assert f"{name}.vtu: " in result.stderr.replace("\n", "")
+
+
 def test_json_has_all_contours_in_plain_numbers():
     result = run(EDGE_CRACK, "--json", "--contours", 3)
     content = json.loads(result.stdout, parse_constant=pytest.fail)
@@ -44,6 +80,51 @@ def test_json_has_all_contours_in_plain_numbers():
     assert set(tip["kink"]) == {"MERR", "J", "MTS", "MSED"}
     assert content["units"]["G"] == "N/mm"
     assert content["interface_force"] is None
+
+
+def of_case(name, *arguments):
+    return run(CASES / name, "--young", 210e3, "--poisson", 0.3, *arguments)
+
+
+def test_a_half_model_says_what_would_find_its_tip_and_finds_it_when_asked(tmp_path):
+    plain = of_case("05-half-model/half.vtu")
+    assert plain.exit_code == 0, plain.stderr
+    text = " ".join(plain.stdout.split())
+    assert "No crack tip: nowhere inside the material do two faces" in text
+    assert "It looks like a half model: --symmetry y gives the tip" in text
+    content = json.loads(of_case("05-half-model/half.vtu", "--json").stdout)
+    assert content["tips"] == []
+    assert "--symmetry y" in content["remark"]
+    assert "--tip" in content["remark"]
+
+    output, plot = tmp_path / "whole.vtu", tmp_path / "whole.png"
+    asked = of_case("05-half-model/half.vtu", "--symmetry", "y", "-o", output, "--plot", plot)
+    assert asked.exit_code == 0, asked.stderr
+    assert "G = 23.68 N/mm on 5 contours" in asked.stdout
+    assert "with the image by symmetry y." in asked.stdout
+    content = json.loads(of_case("05-half-model/half.vtu", "--symmetry", "y", "--json").stdout)
+    assert content["tips"][0]["K_I"] == pytest.approx(2320, abs=0.5)
+    assert (content["remark"], content["symmetry"]) == (None, "y")
+    # the file and the picture are of the whole part
+    assert len(meshio.read(output).points) == 1301
+    assert plot.read_bytes().startswith(b"\x89PNG")
+
+
+def test_pressure_on_the_faces_counts_and_contours_that_differ_are_told():
+    tip = json.loads(of_case("06-face-pressure/facepressure.vtu", "--json").stdout)["tips"][0]
+    assert (tip["G"], tip["K_I"]) == (pytest.approx(23.68, abs=0.005), pytest.approx(2320, abs=0.5))
+    assert tip["status"] == "ok"
+    # P of Eshelby's stress is not in balance where a program was geometrically linear
+    told = of_case("05-half-model/whole.vtu", "--method", "mbf")
+    assert told.exit_code == 0
+    assert "; contours differ by " in told.stdout
+
+
+def test_a_tip_may_be_given_by_its_place():
+    found = json.loads(run(EDGE_CRACK, "--json").stdout)["tips"]
+    for place in ("20,20", "20.1 19.9", "20,20,0"):
+        given = json.loads(run(EDGE_CRACK, "--json", "--tip", place).stdout)["tips"]
+        assert [tip["G"] for tip in given] == pytest.approx([tip["G"] for tip in found])
 
 
 def test_forces_are_written_for_paraview_and_drawn(tmp_path):
@@ -85,6 +166,12 @@ def test_a_model_in_space_has_its_forces_and_the_force_on_its_interface(tmp_path
         ([EDGE_CRACK, "--young", 210e3, "--poisson", 0.7], "nu = 0.7: must lie between -1 and 0.5"),
         ([EDGE_CRACK, "--method", "eshelby"], "method = 'eshelby': must be one of mbf, dbf, linear"),
         ([EDGE_CRACK, "--step", 7], "step = 7"),
+        ([EDGE_CRACK, "--symmetry", "z"], "symmetry = 'z': must be x, y, x=PLACE or y=PLACE"),
+        ([BAR, "--symmetry", "y"], "lines of symmetry belong to plane models"),
+        ([EDGE_CRACK, "--tip", "20"], "--tip 20: must be X,Y in mm"),
+        ([EDGE_CRACK, "--tip", "20,nan"], "--tip 20,nan: must be X,Y in mm"),
+        ([EDGE_CRACK, "--tip", "30,10"], "tip = (30, 10) mm: no boundary is there"),
+        ([EDGE_CRACK, "--tip", "40,10"], "does not turn back"),
         ([EDGE_CRACK, "-o", "forces.nc"], "the name must end with .vtu"),
         (["nowhere.frd"], "nowhere.frd: no such file"),
     ],

@@ -24,8 +24,9 @@ def solved(
     prescribed: np.ndarray,
     values: np.ndarray,
     region: Mapping[str, np.ndarray] | None = None,
+    force: np.ndarray | None = None,
 ) -> ElementResults:
-    """Results of a body without forces.
+    """Results of a body that is held, and loaded by nodal forces.
 
     Parameters
     ----------
@@ -36,6 +37,8 @@ def solved(
         Which displacements are prescribed, and what they are, mm.
     region : mapping of str to ndarray (el,), optional
         Which material each element is of.
+    force : ndarray (n, d), optional
+        N, for a thickness of 1 mm; by default none.
     """
     materials = [elasticity] if isinstance(elasticity, Elasticity) else list(elasticity)
     n, d = points.shape
@@ -52,8 +55,9 @@ def solved(
     used = np.zeros(n, dtype=bool)
     for nodes in cells.values():
         used[nodes] = True
+    load = (0.0 if force is None else force.ravel()) - K @ u
     free = np.flatnonzero(~prescribed.ravel() & np.repeat(used, d))
-    u[free] = splu(K[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A").solve(-(K @ u)[free])
+    u[free] = splu(K[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A").solve(load[free])
     return linear_elastic(points, cells, u.reshape(n, d), elasticity, region)
 
 

@@ -6,15 +6,26 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, box, get_parts, unary_union
+from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, STRtree, box, get_parts, unary_union
 from shapely.validation import explain_validity
 
 from slmm.contours.outline import Outline
+from slmm.contours.union import united
 
 Array = NDArray[np.float64]
 
 #: lengths below this share of the plate count as zero
 TOLERANCE = 1e-5
+
+
+def overlaps_united(
+    named: Sequence[tuple[str, Outline]], width: float, height: float
+) -> tuple[list[tuple[str, Outline]], list[str]]:
+    """Named outlines, those that overlap in the plate as one, and what is wrong with their unions."""
+    polygons = [_polygon(outline) for _, outline in named]
+    if not all(polygon.is_valid for polygon in polygons):
+        return list(named), []  # `hole_problems` says so
+    return united(named, polygons, box(0.0, 0.0, width, height), TOLERANCE * max(width, height))
 
 
 def hole_problems(
@@ -61,17 +72,24 @@ def hole_problems(
                 " Move it away from the edge, or let a notch go on beyond it"
             )
     reaching = [(name, near) for name, near in zip(names, near_plate, strict=True) if not near.is_empty]
+    boxes = box(*np.array([near.bounds for _, near in reaching]).reshape(-1, 4).T)
+    tree = STRtree(boxes)
     for i, (name, first) in enumerate(reaching):
-        around = box(*first.bounds).buffer(tolerance)
-        for other, second in reaching[i + 1 :]:
-            pair = f"{name} and {other}"
-            if not around.intersects(box(*second.bounds)):
+        left, bottom, right, top = first.bounds
+        around = box(left - tolerance, bottom - tolerance, right + tolerance, top + tolerance)
+        for k in sorted(tree.query(around)):
+            if k <= i:
                 continue
+            other, second = reaching[k]
+            pair = f"{name} and {other}"
             if first.contains(second) or second.contains(first):
                 problems.append(f"{pair}: one lies within the other")
             elif first.distance(second) <= tolerance:
                 x, y = first.intersection(second.buffer(tolerance)).centroid.coords[0]
-                problems.append(f"{pair}: touch or cross each other near ({x:.6g}, {y:.6g})")
+                problems.append(
+                    f"{pair}: touch each other near ({x:.6g}, {y:.6g}); move them apart, or let them overlap by"
+                    f" more than {tolerance:.3g} mm, then they are one hole"
+                )
     if problems:
         return problems
 

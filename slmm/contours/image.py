@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
-from scipy.ndimage import binary_dilation
-from skimage.color import rgb2gray, rgba2rgb
-from skimage.filters import gaussian, threshold_otsu
-from skimage.io import imread
+from scipy.ndimage import map_coordinates
+from scipy.special import ndtri
+from skimage.filters import gaussian
 from skimage.measure import find_contours
 
 from slmm.contours.outline import Outline
+from slmm.contours.picture import (
+    INVERTED,
+    check_border,
+    grain,
+    grey_values,
+    is_black_and_white,
+    levels,
+    size_in_header,
+)
+from slmm.contours.traced import Contour, traced_outline
+from slmm.contours.vertices import Noise
 
 Array = NDArray[np.float64]
 
-MAX_PIXELS = 50_000_000
 #: an outline smaller than this says nothing about curvature; it is more likely dirt than a hole
 MIN_PIXELS_ACROSS = 8
-#: difference between dark and light, as a share of the range of grey values
-MIN_CONTRAST = 0.2
 #: the picture goes on by this many pixels beyond its border, so that notches end outside the plate
 FRAME = 40
 
@@ -38,27 +43,34 @@ class Edges:
 
     blur: float  #: standard deviation of the Gaussian blur
     deviation: float  #: root mean square of the waves that remain on a straight or round edge
+    correlation: float  #: over which the points of an edge err together: stairs, as long as they are
     wavelength: float  #: of such waves on a circle of radius 1; grows with the root of the radius
+    offset: float  #: by which a whole edge may be off: of stairs, a pixel may have gone to either side
 
 
-ANTIALIASED = Edges(blur=0.7, deviation=0.03, wavelength=2.0)
-STAIRS = Edges(blur=1.0, deviation=0.15, wavelength=4.0)
+ANTIALIASED = Edges(blur=0.7, deviation=0.03, correlation=2.0, wavelength=2.0, offset=0.1)
+STAIRS = Edges(blur=1.0, deviation=0.15, correlation=5.0, wavelength=4.0, offset=0.5)
 #: pixels by which noise of the whole contrast would move an edge after the blur (0.8), and half as much again
 #: because noise that is clipped at black and white looks smaller than it is on the grey edge
 GRAIN_TO_EDGE = 1.2
+#: the wavelength over a deviation to this power is the same for both kinds of edges; noise lies between
+WAVELENGTH_EXPONENT = np.log(STAIRS.wavelength / ANTIALIASED.wavelength) / np.log(
+    STAIRS.deviation / ANTIALIASED.deviation
+)
 
 
 def outlines_in_picture(path: Path, pixel_size: float, width: float, height: float) -> list[Outline]:
     """Outlines of the dark areas of a picture that covers the plate.
 
-    The outline lies at half grey between the dark and the light level. Row 0 of the picture is the top of the
-    plate, y = height. Dark areas at the border are notches: they go straight on beyond the plate's edge
-    and are closed there.
+    The outline lies at half grey between the dark and the light level. Where it turns within a pixel or two it has
+    a corner; what the picture leaves open about the outline is its ``accuracy``. Row 0 of the picture is the top of
+    the plate, y = height. Dark areas at the border are notches: they go straight on beyond the plate's edge and are
+    closed there.
 
     Parameters
     ----------
     path : Path
-        PNG, JPEG, TIFF, BMP and whatever else Pillow reads; colours are turned to grey, transparent is white.
+        PNG, JPEG, TIFF, GIF, BMP and whatever else Pillow reads; colours are turned to grey, transparent is white.
     pixel_size : float
         Side of a pixel, mm.
     width, height : float
@@ -68,10 +80,10 @@ def outlines_in_picture(path: Path, pixel_size: float, width: float, height: flo
     ------
     ValueError
         When the picture is unreadable, larger than 50 million pixels, or of another size than the plate; when
-        it shows no hole, or nothing else; when an outline is less than 8 pixels across, or a hole holds a
-        loose piece.
+        it shows no hole, or nothing else, or is dark all round; when an outline is less than 8 pixels across, or a
+        hole holds a loose piece.
     """
-    columns, rows = _size_in_header(path)
+    columns, rows = size_in_header(path)
     for name, side, pixels in (("width", width, columns), ("height", height, rows)):
         if abs(side - pixels * pixel_size) > 1e-3 * pixel_size:
             raise ValueError(
@@ -79,105 +91,55 @@ def outlines_in_picture(path: Path, pixel_size: float, width: float, height: flo
                 f" {columns * pixel_size:g} x {rows * pixel_size:g} mm,"
                 f" but plate.{name} = {side:g}; the picture must cover the plate"
             )
-    grey = _grey_values(path)
-    dark, light = _levels(grey)
-    edges = STAIRS if _is_black_and_white(grey, dark, light) else ANTIALIASED
-    deviation = np.hypot(edges.deviation, GRAIN_TO_EDGE * _grain(grey, dark, light))
-    grey = gaussian(np.pad(grey, FRAME, mode="edge"), edges.blur, mode="nearest")
-    grey = np.pad(_round_off_ends(grey, light), 1, constant_values=light)
+    grey = grey_values(path)
+    dark, light = levels(grey)
+    half = 0.5 * (dark + light)
+    check_border(grey < half)
+    edges = STAIRS if is_black_and_white(grey, dark, light) else ANTIALIASED
+    deviation = float(np.hypot(edges.deviation, GRAIN_TO_EDGE * grain(grey, dark, light)))
+    per_root = edges.wavelength * (deviation / edges.deviation) ** WAVELENGTH_EXPONENT
+    padded = gaussian(np.pad(grey, FRAME, mode="edge"), edges.blur, mode="nearest")
+    grey = np.pad(_round_off_ends(padded, light), 1, constant_values=light)
 
     outlines = []
-    for contour in find_contours(grey, 0.5 * (dark + light)):
+    for contour in find_contours(grey, half):
+        blur = _blur_at(grey, contour, light - dark, edges.blur)
         row, column = contour[:-1].T - (FRAME + 1)
-        points = np.column_stack([(column + 0.5) * pixel_size, height - (row + 0.5) * pixel_size])
-        if _wholly_outside(points, width, height):
+        points = np.column_stack([column + 0.5, rows - (row + 0.5)])
+        if _wholly_outside(points, columns, rows):
             continue  # an end that rounding off has split from its notch
         x, y = points.mean(axis=0)
-        across = np.ptp(points, axis=0) / pixel_size
+        at = f"({x * pixel_size:.4g}, {y * pixel_size:.4g}) mm"
+        across = np.ptp(points, axis=0)
         if across.max() < MIN_PIXELS_ACROSS:
             raise ValueError(
-                f"an outline at ({x:.4g}, {y:.4g}) mm, picture column {x / pixel_size:.0f},"
-                f" row {(height - y) / pixel_size:.0f}, is only {across.max():.1f} pixels across;"
-                f" remove the speck, or use a finer picture (at least {MIN_PIXELS_ACROSS} pixels)"
+                f"an outline at {at}, picture column {x:.0f}, row {rows - y:.0f}, is only"
+                f" {across.max():.1f} pixels across; remove the speck, or use a finer picture"
+                f" (at least {MIN_PIXELS_ACROSS} pixels)"
             )
         if _runs_round_light(points):
-            raise ValueError(f"a loose piece of material lies within the hole at ({x:.4g}, {y:.4g}) mm")
-        length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-        wavelength = edges.wavelength * np.sqrt(length / (2 * np.pi) * pixel_size)
-        outlines.append(Outline.through(points, deviation * pixel_size, wavelength))
+            raise ValueError(f"a loose piece of material lies within the hole at {at}; {INVERTED}")
+        known = Contour(points, Noise(deviation, edges.correlation), blur, per_root, edges.offset)
+        outlines.append(traced_outline(known, columns, rows, pixel_size))
     if not outlines:
         raise ValueError("the picture shows no hole (dark = hole)")
     return outlines
 
 
-def _size_in_header(path: Path) -> tuple[int, int]:
-    """Columns and rows, before anything is decoded."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is tighter
-            with Image.open(path) as picture:
-                columns, rows = picture.size
-                frames = getattr(picture, "n_frames", 1)
-    except Image.DecompressionBombError as error:
-        raise ValueError(f"the picture is too large, at most {MAX_PIXELS:,} pixels are read") from error
-    except (OSError, SyntaxError, ValueError) as error:
-        raise ValueError("not a readable picture (PNG, JPEG, TIFF or BMP)") from error
-    if columns * rows > MAX_PIXELS:
-        raise ValueError(f"the picture has {columns} x {rows} pixels, at most {MAX_PIXELS:,} are read")
-    if frames > 1:
-        raise ValueError(f"the picture holds {frames} pages or frames; it must hold one")
-    return columns, rows
-
-
-def _grey_values(path: Path) -> Array:
-    """Grey values between 0 and 1."""
-    try:
-        picture = imread(path)
-    except Exception as error:  # every decoder raises its own kind
-        raise ValueError(f"the picture cannot be decoded: {error}") from error
-    if picture.dtype == bool:
-        picture = picture.astype(float)
-    elif np.issubdtype(picture.dtype, np.integer):
-        picture = picture / (255.0 if picture.dtype == np.uint8 else 65535.0)
-    if picture.ndim == 3 and picture.shape[2] == 2:  # grey with transparency
-        picture = picture[..., 0] * picture[..., 1] + (1 - picture[..., 1])
-    elif picture.ndim == 3 and picture.shape[2] == 4:
-        picture = rgb2gray(rgba2rgb(picture))
-    elif picture.ndim == 3 and picture.shape[2] == 3:
-        picture = rgb2gray(picture)
-    if picture.ndim != 2 or not np.isfinite(picture).all():
-        raise ValueError(f"the picture must hold finite grey or colour values, not an array {picture.shape}")
-    return picture.astype(float)
-
-
-def _levels(grey: Array) -> tuple[float, float]:
-    """Grey level of the holes and of the material."""
-    if np.ptp(grey) >= MIN_CONTRAST:
-        threshold = threshold_otsu(grey)
-        dark, light = np.median(grey[grey <= threshold]), np.median(grey[grey > threshold])
-        if light - dark >= MIN_CONTRAST:
-            return float(dark), float(light)
-    shows = "nothing but hole" if np.median(grey) < 0.5 else "no hole"
-    raise ValueError(
-        f"the picture shows {shows}: its grey values (0 to 1) lie between {grey.min():.3g} and"
-        f" {grey.max():.3g}; dark = hole, light = material, at least {MIN_CONTRAST} apart"
-    )
-
-
-def _is_black_and_white(grey: Array, dark: float, light: float) -> bool:
-    """Whether the edges are stairs: hardly any pixel along them has a grey in between."""
-    share = (grey - dark) / (light - dark)
-    edge = np.count_nonzero(np.diff(share > 0.5, axis=0)) + np.count_nonzero(np.diff(share > 0.5, axis=1))
-    between = np.count_nonzero((share > 0.1) & (share < 0.9))
-    return bool(between < 0.2 * edge)
-
-
-def _grain(grey: Array, dark: float, light: float) -> float:
-    """Noise of the grey values away from all edges, as a share of the contrast."""
-    hole = grey < 0.5 * (dark + light)
-    flat = ~(binary_dilation(hole, iterations=3) & binary_dilation(~hole, iterations=3))
-    steps = np.diff(grey, axis=1)[flat[:, 1:] & flat[:, :-1]]
-    return float(np.sqrt((steps**2).mean() / 2)) / (light - dark) if steps.size else 0.0
+def _blur_at(grey: Array, contour: Array, contrast: float, least: float) -> float:
+    """Standard deviation of the blur of the edge along a contour: what it was drawn with and what was added."""
+    row, column = contour.T
+    slopes = [
+        0.5
+        * (
+            map_coordinates(grey, [row + dr, column + dc], order=1)
+            - map_coordinates(grey, [row - dr, column - dc], order=1)
+        )
+        for dr, dc in ((1, 0), (0, 1))
+    ]
+    # a Gaussian edge changes from -1 to 1 pixel by this share of its contrast
+    share = min(float(np.median(np.hypot(*slopes))) / contrast + 0.5, 1 - 1e-9)
+    return max(1 / float(ndtri(share)), least) if share > 0.5 else least
 
 
 def _round_off_ends(padded: Array, light: float) -> Array:

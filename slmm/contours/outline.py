@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.optimize import brentq
 from scipy.spatial import cKDTree
+
+from slmm.contours.accuracy import Accuracy
 
 Array = NDArray[np.float64]
 
@@ -23,6 +25,8 @@ TURN_REFUSED = 0.4
 #: pieces that meet at less than this angle (rad) meet smoothly: over six decades of distance, the stress at so
 #: flat a corner (r to the power of -2/pi times the angle) rises by less than 1 %
 SMALLEST_TURN = 1e-3
+#: where stretches of other outlines touch, the point is known to about a millionth of them, and the angle to its root
+TOUCHING_TURN = 0.01
 #: arc lengths nearer to a corner than this share of the outline are the corner
 AT_CORNER = 1e-9
 #: of so many samples next to a point, one lies by its nearest point, be it on the other side of a sharp corner
@@ -49,6 +53,8 @@ class Outline:
         Coefficients of x and y between the breaks, highest power first, as in `scipy.interpolate.PPoly`.
     corners : (k,) array
         Arc lengths of the corners, mm, ascending; each is one of the breaks. Empty on a smooth outline.
+    accuracy : Accuracy, optional
+        What is open about it when it was traced in a picture; None when it is exact.
 
     Examples
     --------
@@ -64,6 +70,7 @@ class Outline:
     breaks: Array
     coefficients: Array
     corners: Array = field(default_factory=lambda: _read_only(np.empty(0)))
+    accuracy: Accuracy | None = None
 
     @classmethod
     def through(cls, points: ArrayLike, smoothing: float = 0.0, wavelength: float = 0.0) -> Outline:
@@ -146,6 +153,53 @@ class Outline:
             )
         corners = breaks[first[np.abs(turns) >= SMALLEST_TURN]]
         return cls(_read_only(breaks), _read_only(coefficients), _read_only(corners))
+
+    @classmethod
+    def of_parts(cls, parts: Sequence[tuple[Outline, float, float]]) -> Outline:
+        """Outline of stretches of others, counter-clockwise, on their exact curves.
+
+        Parameters
+        ----------
+        parts : sequence of (Outline, float, float)
+            An outline and the arc lengths from which and up to which it is followed, mm. Each stretch ends where the
+            next one begins; what rounding leaves between them is made up for along the stretch. Two that meet at
+            less than 0.01 rad touch there, without a corner.
+        """
+        steps, coefficients, corners, first = [], [], [], []
+        reached, number = 0.0, 0
+        for k, (outline, start, end) in enumerate(parts):
+            following, beginning, _ = parts[(k + 1) % len(parts)]
+            missing = following.points(beginning) - outline.points(end)
+            own_steps, own = _cut(outline, start, end)
+            along = np.concatenate([[0.0], np.cumsum(own_steps)])
+            own[3] += missing * (along[:-1] / along[-1])[:, None]
+            own[2] += missing / along[-1]
+            inner = (outline.corners - start) % outline.length
+            nearest = AT_CORNER * outline.length
+            inner = np.sort(inner[(inner > nearest) & (inner < along[-1] - nearest)])
+            corners.append(along[np.abs(along[:, None] - inner).argmin(axis=0)] + reached)
+            first.append(number)
+            steps.append(own_steps)
+            coefficients.append(own)
+            reached, number = reached + along[-1], number + len(own_steps)
+        breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(steps))])
+        joined = np.concatenate(coefficients, axis=1)
+        turns = np.abs(_turns_at(breaks, joined, np.array(first))[1])
+        at = np.concatenate([*corners, breaks[np.array(first)[turns >= TOUCHING_TURN]]])
+        # sums in another order differ by rounding: each corner is one of the breaks
+        at = breaks[np.unique(np.abs(breaks[:-1, None] - at).argmin(axis=0))] if len(at) else at
+        known = [outline.accuracy for outline in dict.fromkeys(part[0] for part in parts)]
+        traced = [accuracy for accuracy in known if accuracy is not None]
+        return cls(
+            _read_only(breaks),
+            _read_only(joined),
+            _read_only(at),
+            Accuracy.of_all(traced) if traced else None,
+        )
+
+    def with_accuracy(self, accuracy: Accuracy) -> Outline:
+        """The same outline, with what is open about it."""
+        return replace(self, accuracy=accuracy)
 
     @cached_property
     def _curve(self) -> PPoly:
@@ -372,6 +426,22 @@ def _open_spline(points: Array) -> PPoly:
         spline = CubicSpline(parameter, points)
         parameter = np.concatenate([[0.0], np.cumsum(_lengths(spline))])
     return spline
+
+
+def _cut(outline: Outline, start: float, end: float) -> tuple[Array, Array]:
+    """Steps (m,) and coefficients (4, m, 2) of an outline from one arc length on to another."""
+    length = outline.length
+    extent = (end - start) % length or length
+    inner = np.sort((outline.breaks[:-1] - start) % length)
+    inner = inner[(inner > AT_CORNER * length) & (inner < extent - AT_CORNER * length)]
+    offsets = np.concatenate([[0.0], inner])
+    # the middle of a stretch tells its piece, whatever rounding does at its ends
+    steps = np.diff(np.append(offsets, extent))
+    middle = (start + offsets + 0.5 * steps) % length
+    piece = np.clip(np.searchsorted(outline.breaks, middle, side="right") - 1, 0, len(outline.breaks) - 2)
+    t = (middle - 0.5 * steps - outline.breaks[piece])[:, None]
+    a, b, c, d = outline.coefficients[:, piece]
+    return steps, np.array([a, 3 * a * t + b, (3 * a * t + 2 * b) * t + c, ((a * t + b) * t + c) * t + d])
 
 
 def _turns_at(breaks: Array, coefficients: Array, index: NDArray[np.int64]) -> tuple[Array, Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,12 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.validation import explain_validity
 
+from slmm.input_file import read_text
+
 Array = NDArray[np.float64]
 
+#: mm, as in scenes: squares and products stay finite
+MAX_COORDINATE = 1e9
 MIN_POINTS = 8
 MAX_POINTS = 100_000
 MIN_CORNERS = 3
@@ -19,6 +24,14 @@ MIN_CORNERS = 3
 MAX_CORNERS = 1000
 #: a polygon that turns by more than this at one point does not describe a smooth outline
 MAX_TURN = 60.0
+#: neighbouring points nearer than this share of the outline's size are one: programs write six or seven digits
+SAME = 1e-6
+#: bytes of a file of points: the longest outline, every coordinate with 40 characters, and as much in remarks
+MOST = 16_000_000
+#: a line that may be quoted without knowing what is in the file
+_NUMBERS = re.compile(r"[\d\s.,;+\-eE]*", re.ASCII)
+#: characters of a line that are quoted
+QUOTED = 60
 
 
 def read_points(path: Path) -> Array:
@@ -32,30 +45,38 @@ def read_points(path: Path) -> Array:
     ValueError
         When the file cannot be read as text, or a line does not hold two finite numbers; names the line.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"not a readable text file ({error})") from error
+    lines = read_text(path, MOST, "readable text file").splitlines()
     points: list[tuple[float, float]] = []
     header_allowed = True
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = _cells(line)
         try:
-            row = [float(cell) for cell in cells]
+            row = [float(cell) for cell in _cells(line)]
+        except csv.Error:  # it has a limit of its own to what stands between two separators
+            raise ValueError(f"line {number}: is too long; must hold two numbers, x and y") from None
         except ValueError:
             if header_allowed:
                 header_allowed = False
                 continue
-            raise ValueError(f"line {number} = {line.strip()!r}: must hold two numbers, x and y") from None
+            raise ValueError(f"{_quoted(number, line, points)}: must hold two numbers, x and y") from None
         header_allowed = False
         if len(row) != 2:
-            raise ValueError(f"line {number} = {line.strip()!r}: must hold two numbers, x and y")
+            raise ValueError(f"{_quoted(number, line, points)}: must hold two numbers, x and y")
         if not np.isfinite(row).all():
-            raise ValueError(f"line {number} = {line.strip()!r}: must be finite numbers")
+            raise ValueError(f"{_quoted(number, line, points)}: must be finite numbers")
+        if np.abs(row).max() > MAX_COORDINATE:
+            says = f"must lie between {-MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            raise ValueError(f"{_quoted(number, line, points)}: {says}")
         points.append((row[0], row[1]))
     return np.array(points, dtype=float).reshape(-1, 2)
+
+
+def _quoted(number: int, line: str, points: list[tuple[float, float]]) -> str:
+    """A line by its number, and by its text where it is of points: a scene may name any file, also a secret one."""
+    text = line.strip()
+    of_points = bool(points) or _NUMBERS.fullmatch(text) is not None
+    return f"line {number} = {text!r}" if of_points and len(text) <= QUOTED else f"line {number}"
 
 
 def _cells(line: str) -> list[str]:
@@ -70,15 +91,16 @@ def point_problems(points: Array) -> list[str]:
     problems = _ring_problems(points, MIN_POINTS, MAX_POINTS, "round the outline")
     if problems:
         return problems
-    points = without_repetition(points)
-    steps = np.roll(points, -1, axis=0) - points
+    kept = without_repetition(points)
+    steps = np.roll(kept, -1, axis=0) - kept
     direction = steps[:, 0] + 1j * steps[:, 1]
     turn = np.abs(np.degrees(np.angle(direction / np.roll(direction, 1))))
     sharpest = int(turn.argmax())
     if turn[sharpest] > MAX_TURN:
-        x, y = points[sharpest]
+        x, y = kept[sharpest]
+        number = int(np.argmax((points == kept[sharpest]).all(axis=1)))
         return [
-            f"the outline turns by {turn[sharpest]:.0f} degrees at point {sharpest}, ({x:.6g}, {y:.6g}):"
+            f"the outline turns by {turn[sharpest]:.0f} degrees at point {number}, ({x:.6g}, {y:.6g}):"
             f" a corner has no curvature; round it, with at most {MAX_TURN:.0f} degrees at each point,"
             ' or draw straight sides between corners with shape = "polygon"'
         ]
@@ -91,8 +113,22 @@ def polygon_problems(points: Array) -> list[str]:
 
 
 def without_repetition(points: Array) -> Array:
-    """The points (n, 2) without the last one when that is the first again."""
-    return points[:-1] if len(points) > 1 and np.array_equal(points[0], points[-1]) else points
+    """The points (n, 2) without those that are the one before again but for rounding; the last one may be the first.
+
+    Examples
+    --------
+    >>> without_repetition(np.array([[0, 0], [4, 0], [4, 1e-7], [0, 3], [1e-7, 0]])).tolist()
+    [[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]]
+    """
+    same = SAME * float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
+    kept: list[int] = []
+    for k, point in enumerate(points):
+        # from the last one kept: many small steps are a distance, too
+        if not kept or np.hypot(*(point - points[kept[-1]])) > same:
+            kept.append(k)
+    while len(kept) > 1 and np.hypot(*(points[kept[-1]] - points[0])) <= same:
+        kept.pop()
+    return points[kept]
 
 
 def _ring_problems(points: Array, fewest: int, most: int, where: str) -> list[str]:
@@ -103,14 +139,6 @@ def _ring_problems(points: Array, fewest: int, most: int, where: str) -> list[st
     n = len(points)
     if not fewest <= n <= most:
         return [f"has {n} different points: must have between {fewest} and {most:,} {where}"]
-
-    chords = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    size = float(np.ptp(points, axis=0).max())
-    coincident = np.flatnonzero(chords <= 1e-9 * size)
-    if len(coincident):
-        k = int(coincident[0])
-        x, y = points[k]
-        return [f"points {k} and {(k + 1) % n} coincide at ({x:.6g}, {y:.6g}); remove one of them"]
 
     polygon = Polygon(points)
     if not polygon.is_valid:

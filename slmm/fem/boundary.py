@@ -15,6 +15,9 @@ from slmm.fem.element_size import ElementSize
 
 #: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least
 OUTLINE_SAMPLES = 2000
+#: given steps of a line may be longer than the size wanted by this share, and than their neighbours by this factor: the
+#: mesher cuts steps half as long again
+SLACK, STEPS_APART = 0.4, 1.45
 
 
 @dataclass(frozen=True)
@@ -214,8 +217,8 @@ def _distinct(s: np.ndarray, length: float) -> np.ndarray:
     return s[np.diff(s, prepend=-length) > 1e-9 * length]
 
 
-def spaced(piece: Piece, outlines: Sequence[Outline], size: ElementSize) -> np.ndarray:
-    """Arc lengths of boundary nodes along a piece, as far apart as the size wanted there."""
+def spaced(piece: Piece, outlines: Sequence[Outline], size: ElementSize, slack: float = 0.0) -> np.ndarray:
+    """Arc lengths of boundary nodes along a piece, as far apart as the size wanted there or by ``slack`` farther."""
     nodes = [piece.s[:1]]
     # small sizes are prescribed at ends (a crack's mouth, a corner): sample densely towards both
     half = np.concatenate([[0.0], np.geomspace(1e-6, 0.02, 60), np.linspace(0.02, 0.5, 200)[1:]])
@@ -233,7 +236,7 @@ def spaced(piece: Piece, outlines: Sequence[Outline], size: ElementSize) -> np.n
             s = np.insert(s, at, middle)
         density = 1 / wanted
         count = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.abs(np.diff(s)))])
-        n = max(least, int(np.ceil(count[-1])))
+        n = max(least, int(np.ceil(count[-1] - slack)))
         # the first and last value exactly, so that pieces meet
         inner = np.interp(np.arange(1, n) * count[-1] / n, count, s)
         nodes.append(np.append(inner, s1))
@@ -261,6 +264,27 @@ def crack_nodes(crack: np.ndarray, size: ElementSize) -> np.ndarray:
     return np.concatenate(nodes)
 
 
+def path_nodes(path: np.ndarray, size: ElementSize) -> np.ndarray:
+    """Nodes (k, 2) of a trial path: those given (n, 2), and more between them where the surroundings are finer."""
+    step = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    sizes = size(path)
+    least = np.minimum.reduce([sizes[:-1], sizes[1:], size((path[1:] + path[:-1]) / 2)])
+    nodes = [path[:1]]
+    for a, b, length, fine in zip(path, path[1:], step, least, strict=False):
+        if length > (1 + SLACK / 2) * fine:
+            piece = Piece(-1, np.array([0.0, length]), a, (b - a) / length)
+            nodes.append(piece.points(spaced(piece, (), size, SLACK)[1:-1], ()))
+        nodes.append(b[None])
+    line = np.concatenate(nodes)
+    while True:
+        step = np.linalg.norm(np.diff(line, axis=0), axis=1)
+        neighbour = np.minimum(np.append(step[1:], np.inf), np.insert(step[:-1], 0, np.inf))
+        sudden = np.flatnonzero(step > STEPS_APART * neighbour)
+        if not len(sudden):
+            return line
+        line = np.insert(line, sudden + 1, (line[1:] + line[:-1])[sudden] / 2, axis=0)
+
+
 def boundary_segments(
     rings: Sequence[Sequence[Piece]], parameters: Sequence[np.ndarray], outlines: Sequence[Outline]
 ) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
@@ -280,19 +304,3 @@ def boundary_segments(
         number = np.arange(first, n)
         segments.append(np.column_stack([number, np.append(number[1:], first)]))
     return np.concatenate(points), np.concatenate(segments), origin
-
-
-def halved(
-    parameters: Sequence[np.ndarray], origin: Sequence[tuple[int, int]], split: np.ndarray
-) -> list[np.ndarray]:
-    """Put a node into the middle of every segment marked."""
-    marked: dict[int, list[int]] = {}
-    for (k, i), wanted in zip(origin, split, strict=True):
-        if wanted:
-            marked.setdefault(k, []).append(i)
-    result = list(parameters)
-    for k, places in marked.items():
-        s = parameters[k]
-        at = np.array(places)
-        result[k] = np.insert(s, at + 1, (s[at] + s[at + 1]) / 2)
-    return result

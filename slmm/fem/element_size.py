@@ -21,6 +21,11 @@ ACROSS_GAP = 2
 #: size at a crack tip or a corner of the material, as a share of the crack or of the sides that meet there
 SINGULAR_SHARE = 1e-3
 
+#: squares that sample the size, in sizes: it changes by less than half over them
+SAMPLED = 2.0
+#: where the quarters of a square lie about its centre, in halves of their sides
+QUARTERS = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
+
 
 class ElementSize:
     """Size wanted at a point: prescribed at sources, growing with the distance from them, never above ``largest``.
@@ -50,9 +55,43 @@ class ElementSize:
         others = np.linalg.norm(self._points - point, axis=1) > 1e-9 * self.largest
         self._points, self._sizes = self._points[others], self._sizes[others]
 
+    def scale(self, factor: float) -> None:
+        """Multiply all that was prescribed, and the largest size."""
+        self.largest *= factor
+        self._sizes = factor * self._sizes
+
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Sizes (n,) at points (n, 2), mm."""
         return _sizes(np.ascontiguousarray(points), self._points, self._sizes, self.largest)
+
+    def sampled(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, 2) in a rectangle and the sizes (n,) wanted there, where these are below the largest, mm.
+
+        They are the centres of squares that cover it, none larger than SAMPLED times the size at its centre.
+
+        Examples
+        --------
+        >>> size = ElementSize(10.0)
+        >>> size.prescribe(np.array([[0.0, 0.0]]), np.array([4.0]))
+        >>> size.sampled(np.array([0.0, 0.0]), np.array([16.0, 16.0]))[0]
+        array([[ 4.,  4.],
+               [12.,  4.],
+               [ 4., 12.],
+               [12., 12.]])
+        """
+        side = float((high - low).max())
+        centres = low[None] + side / 2
+        points = []
+        while len(centres):
+            enough = side <= SAMPLED * self(centres)
+            points.append(centres[enough])
+            side /= 2
+            centres = (centres[~enough, None] + side / 2 * QUARTERS).reshape(-1, 2)
+            centres = centres[(centres - side / 2 < high).all(axis=1)]
+        found = np.concatenate(points)
+        sizes = self(found)
+        matters = sizes < self.largest
+        return found[matters], sizes[matters]
 
 
 @njit(cache=True)

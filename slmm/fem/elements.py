@@ -1,7 +1,8 @@
 """The usual finite elements, each described by its nodes, its shape functions' monomials and its integration rule.
 
-Names, node order and order of the integration points are those of Abaqus (and CalculiX). Bricks and quadrilaterals live
-on [-1, 1]^d, tetrahedra and triangles on the unit simplex, wedges on the unit triangle times [0, 1].
+Names, node order and order of the integration points are those of Abaqus (and CalculiX); those of QUAD9, HEX27
+and WEDGE18, which Abaqus does not have or numbers otherwise, are VTK's. Bricks and quadrilaterals live on [-1, 1]^d,
+tetrahedra and triangles on the unit simplex, wedges on the unit triangle times [0, 1].
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ class Element:
     Attributes
     ----------
     name : str
+    corners : int
     nodes : ndarray (n, d)
         Reference coordinates.
     exponents : ndarray (n, d) of int
@@ -29,6 +31,7 @@ class Element:
     """
 
     name: str
+    corners: int
     nodes: np.ndarray
     exponents: np.ndarray
     points: np.ndarray
@@ -62,16 +65,26 @@ class Element:
         """Derivatives (ips, n, d) at the integration points."""
         return np.ascontiguousarray(self.gradient(self.points))
 
+    @cached_property
+    def turned(self) -> tuple[np.ndarray, np.ndarray]:
+        """Order of the nodes (n,) and of the points (ips,) of the element that runs the other way round."""
+        # exchanging the first two coordinates maps each of the reference elements on itself
+        exchanged = [1, 0, *range(2, self.dimension)]
+        nodes, points = (
+            np.linalg.norm(at[:, exchanged][:, None] - at, axis=2).argmin(axis=1)
+            for at in (self.nodes, self.points)
+        )
+        return nodes, points
+
     @property
     def edges(self) -> np.ndarray:
         """Nodes (corners, 2 or 3) of a plane element's edges, anticlockwise: start, end and, if there is, middle."""
         if self.dimension != 2:
             raise ValueError(f"{self.name} is no plane element: it has faces, not edges")
-        corners = 3 if len(self.nodes) % 3 == 0 else 4
-        start = np.arange(corners)
+        start = np.arange(self.corners)
         edges = [start, np.roll(start, -1)]
-        if len(self.nodes) > corners:
-            edges.append(start + corners)
+        if len(self.nodes) > self.corners:
+            edges.append(start + self.corners)
         return np.stack(edges, axis=1)
 
 
@@ -114,6 +127,13 @@ _BRICK = np.array(
 _SERENDIPITY_3 = np.array([p for p in product(range(3), repeat=3) if sum(q == 2 for q in p) <= 1])
 _SERENDIPITY_2 = np.array([p for p in product(range(3), repeat=2) if sum(q == 2 for q in p) <= 1])
 _QUADRILATERAL = np.array([*_CORNERS, *_MIDDLES], dtype=float)
+_QUADRILATERAL_9 = np.array([*_CORNERS, *_MIDDLES, [0, 0]], dtype=float)
+_BRICK_27 = np.array(
+    [*_BRICK, *([0.0] * i + [side] + [0.0] * (2 - i) for i in range(3) for side in (-1.0, 1.0)), [0.0] * 3]
+)
+#: all that are at most quadratic in each coordinate
+_QUADRATIC_2 = np.array(list(product(range(3), repeat=2)))
+_QUADRATIC_3 = np.array(list(product(range(3), repeat=3)))
 _TRIANGLE = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]])
 _TETRAHEDRON = np.array([*([*p, 0] for p in _TRIANGLE), *([*p / 2, 0.5] for p in _TRIANGLE[:3]), [0, 0, 1]])
 _TETRAHEDRON = _TETRAHEDRON[[0, 1, 2, 9, 3, 4, 5, 6, 7, 8]]
@@ -136,25 +156,31 @@ def _linear(dimension: int) -> np.ndarray:
 
 #: quadratic in the triangle with at most linear along the wedge, and quadratic along it with linear in the triangle
 _WEDGE_15 = np.array([*([*p, z] for z in (0, 1) for p in _up_to(2, 2)), *([*p, 2] for p in _up_to(1, 2))])
+#: quadratic in the triangle and along the wedge; its last nodes are the middles of its three rectangles
+_WEDGE_18 = np.array([[*p, z] for z in range(3) for p in _up_to(2, 2)])
+_WEDGE_18_NODES = np.array([*_WEDGE, *([*p, 0.5] for p in _TRIANGLE[3:])])
 _WEDGE_6 = np.array([[*p, z] for z in (0, 1) for p in _up_to(1, 2)])
 
 ELEMENTS = {
     element.name: element
     for element in (
-        Element("CPE3", _TRIANGLE[:3], _up_to(1, 2), CENTRE, np.array([0.5])),
-        Element("CPE4", _QUADRILATERAL[:4], _linear(2), *_gauss(2, 2)),
-        Element("CPE4R", _QUADRILATERAL[:4], _linear(2), *_gauss(1, 2)),
-        Element("CPE6", _TRIANGLE, _up_to(2, 2), THREE, np.full(3, 1 / 6)),
-        Element("CPE8", _QUADRILATERAL, _SERENDIPITY_2, *_gauss(3, 2)),
-        Element("CPE8R", _QUADRILATERAL, _SERENDIPITY_2, *_gauss(2, 2)),
-        Element("C3D4", _TETRAHEDRON[:4], _up_to(1, 3), np.full((1, 3), 0.25), np.array([1 / 6])),
-        Element("C3D6", _WEDGE[:6], _WEDGE_6, *_wedge_rule(CENTRE, 2)),
-        Element("C3D8", _BRICK[:8], _linear(3), *_gauss(2, 3)),
-        Element("C3D8R", _BRICK[:8], _linear(3), *_gauss(1, 3)),
-        Element("C3D10", _TETRAHEDRON, _up_to(2, 3), FOUR, np.full(4, 1 / 24)),
-        Element("C3D15", _WEDGE, _WEDGE_15, *_wedge_rule(THREE, 3)),
-        Element("C3D20", _BRICK, _SERENDIPITY_3, *_gauss(3, 3)),
-        Element("C3D20R", _BRICK, _SERENDIPITY_3, *_gauss(2, 3)),
+        Element("CPE3", 3, _TRIANGLE[:3], _up_to(1, 2), CENTRE, np.array([0.5])),
+        Element("CPE4", 4, _QUADRILATERAL[:4], _linear(2), *_gauss(2, 2)),
+        Element("CPE4R", 4, _QUADRILATERAL[:4], _linear(2), *_gauss(1, 2)),
+        Element("CPE6", 3, _TRIANGLE, _up_to(2, 2), THREE, np.full(3, 1 / 6)),
+        Element("CPE8", 4, _QUADRILATERAL, _SERENDIPITY_2, *_gauss(3, 2)),
+        Element("CPE8R", 4, _QUADRILATERAL, _SERENDIPITY_2, *_gauss(2, 2)),
+        Element("QUAD9", 4, _QUADRILATERAL_9, _QUADRATIC_2, *_gauss(3, 2)),
+        Element("C3D4", 4, _TETRAHEDRON[:4], _up_to(1, 3), np.full((1, 3), 0.25), np.array([1 / 6])),
+        Element("C3D6", 6, _WEDGE[:6], _WEDGE_6, *_wedge_rule(CENTRE, 2)),
+        Element("C3D8", 8, _BRICK[:8], _linear(3), *_gauss(2, 3)),
+        Element("C3D8R", 8, _BRICK[:8], _linear(3), *_gauss(1, 3)),
+        Element("C3D10", 4, _TETRAHEDRON, _up_to(2, 3), FOUR, np.full(4, 1 / 24)),
+        Element("C3D15", 6, _WEDGE, _WEDGE_15, *_wedge_rule(THREE, 3)),
+        Element("C3D20", 8, _BRICK, _SERENDIPITY_3, *_gauss(3, 3)),
+        Element("C3D20R", 8, _BRICK, _SERENDIPITY_3, *_gauss(2, 3)),
+        Element("WEDGE18", 6, _WEDGE_18_NODES, _WEDGE_18, *_wedge_rule(THREE, 3)),
+        Element("HEX27", 8, _BRICK_27, _QUADRATIC_3, *_gauss(3, 3)),
     )
 }
 

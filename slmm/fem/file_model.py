@@ -5,38 +5,41 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from slmm.fem.displacement_names import name_and_step
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.elements import ALIASES, ELEMENTS, element_named
 from slmm.fem.frd import FrdField, FrdResult
 from slmm.fem.inp_model import InpModel
-from slmm.fem.results import FACES, MeshStep, lower_faces, steps_of
+from slmm.fem.results import FACES, THIN, MeshStep, lower_faces
 from slmm.material import State
 
-#: what meshio calls elements, and what they are taken for where no input file says more
+#: elements by meshio's names, and what they are taken for where no input file says more
 NAMED = {
     "triangle": "CPE3",
     "triangle6": "CPE6",
     "quad": "CPE4",
     "quad8": "CPE8",
+    "quad9": "QUAD9",
     "tetra": "C3D4",
     "tetra10": "C3D10",
     "wedge": "C3D6",
     "wedge15": "C3D15",
+    "wedge18": "WEDGE18",
     "hexahedron": "C3D8",
     "hexahedron20": "C3D20",
+    "hexahedron27": "HEX27",
 }
 
 #: elements with fewer integration points
 REDUCED = {name: f"{name}R" for name in ("CPE4", "CPE8", "C3D8", "C3D20")}
 
-#: beginnings of meshio's names of what has no inside, on which loads are applied, and of what is a surface of solids
-THIN, PLANE = ("vertex", "line"), ("triangle", "quad")
+#: beginnings of meshio's names of what is a surface of solids
+PLANE = ("triangle", "quad")
 
 #: names of nodal data or data of elements, in lower case; the first one found is taken
 STRESS_NAMES = ("stress", "stresses", "s", "sigma")
@@ -290,79 +293,84 @@ def _materials(
     return {name: np.searchsorted(codes, own) for name, own in code.items()}, regions
 
 
-# meshio
+# other files
 
 
-def mesh_model(path: Path, mesh: MeshStep, reduced: bool) -> FileModel:
-    """A step of a file that meshio reads.
+def mesh_model(step: MeshStep, reduced: bool) -> FileModel:
+    """A step of any other file.
 
     Raises
     ------
     ValueError
         When there are no elements, or others than those known, or data do not fit.
     """
+    mesh = step.mesh
     names = _types(mesh.cells, reduced)
-    if mesh.u.ndim != 2 or mesh.u.shape[1] not in (2, 3):
-        raise ValueError(f"the displacements have shape {mesh.u.shape}: 2 or 3 components are needed")
     return FileModel(
         mesh.points,
-        mesh.u,
+        step.u,
         {name: mesh.cells[kind] for kind, name in names.items()},
         {name: np.arange(len(mesh.cells[kind])) for kind, name in names.items()},
-        *_mesh_regions(path, mesh, names),
-        _mesh_field(path, mesh, names, STRESS_NAMES, tensor=True),
-        _mesh_field(path, mesh, names, ENERGY_NAMES, tensor=False),
+        *_mesh_regions(step, names),
+        _mesh_field(step, names, STRESS_NAMES, tensor=True),
+        _mesh_field(step, names, ENERGY_NAMES, tensor=False),
         f"data of nodes or elements with one of the names {', '.join(STRESS_NAMES)} and one of "
         f"{', '.join(ENERGY_NAMES)}",
     )
 
 
-def _mesh_regions(
-    path: Path, mesh: MeshStep, names: Mapping[str, str]
-) -> tuple[dict[str, np.ndarray], list[Region]]:
+def _mesh_regions(step: MeshStep, names: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[Region]]:
     """Regions by data of the elements, in the order of the values."""
-    steps = steps_of(path, mesh.cell_data)
     for called in REGION_NAMES:
         # materials need not be written at every step
-        key = steps.get(called, {}).get(mesh.number) or steps.get(called, {}).get(-1)
+        steps = _steps_of(step.mesh.cell_data, called)
+        key = steps.get(step.number) or steps.get(-1)
         if key is not None:
             values = {
-                name: _values(own, key, tensor=False) for name, own in _of_elements(mesh, key, names).items()
+                name: _values(own, key, tensor=False) for name, own in _of_elements(step, key, names).items()
             }
             found = np.unique(np.concatenate([*values.values()]))
             if not np.isfinite(found).all():
                 raise ValueError(f"{key} is not finite everywhere")
             regions = [Region(f"{key} = {value:g}") for value in found]
             return {name: np.searchsorted(found, own) for name, own in values.items()}, regions
-    return {name: np.zeros(len(mesh.cells[kind]), dtype=int) for kind, name in names.items()}, [
-        Region("all elements")
-    ]
+    counts = {name: len(step.mesh.cells[kind]) for kind, name in names.items()}
+    return {name: np.zeros(count, dtype=int) for name, count in counts.items()}, [Region("all elements")]
 
 
 def _mesh_field(
-    path: Path, mesh: MeshStep, names: Mapping[str, str], called: Iterable[str], tensor: bool
+    step: MeshStep, names: Mapping[str, str], called: Iterable[str], tensor: bool
 ) -> FileField | None:
     """Stresses or energies at the step of the displacements: nodal data, else data of elements."""
-    of_nodes, of_elements = steps_of(path, mesh.point_data), steps_of(path, mesh.cell_data)
+    called = tuple(called)
     for name in called:
-        if key := of_nodes.get(name, {}).get(mesh.number):
-            return FileField(key, _values(mesh.point_data[key], key, tensor), {})
+        if key := _steps_of(step.mesh.point_data, name).get(step.number):
+            return FileField(key, _values(step.mesh.point_data[key], key, tensor), {})
     for name in called:
-        if key := of_elements.get(name, {}).get(mesh.number):
-            values = _of_elements(mesh, key, names)
+        if key := _steps_of(step.mesh.cell_data, name).get(step.number):
+            values = _of_elements(step, key, names)
             return FileField(key, None, {kind: _values(own, key, tensor) for kind, own in values.items()})
     return None
 
 
-def _of_elements(mesh: MeshStep, key: str, names: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """Data of elements by type in place of by block."""
-    result = {}
-    for kind, name in names.items():
-        own = [data for block, data in zip(mesh.blocks, mesh.cell_data[key], strict=True) if block == kind]
-        if any(data is None for data in own):
-            raise ValueError(f"{key} has no values of {kind}")
-        result[name] = np.concatenate(own)
-    return result
+def _steps_of(data: Iterable[str], called: str) -> dict[int, str]:
+    """The names of the data that are called so, in capitals or not, by the number of the step, -1 if it has none."""
+    found: dict[int, str] = {}
+    for key in data:
+        name, number = name_and_step(key)
+        if name.lower() == called:
+            if number in found:
+                raise ValueError(f"{found[number]!r} and {key!r} have the same name but for capitals")
+            found[number] = key
+    return found
+
+
+def _of_elements(step: MeshStep, key: str, names: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """Data of elements by type in place of by kind."""
+    by_kind = step.mesh.cell_data[key]
+    if missing := [kind for kind in names if kind not in by_kind]:
+        raise ValueError(f"{key} has no values of {missing[0]}")
+    return {name: by_kind[kind] for kind, name in names.items()}
 
 
 # both

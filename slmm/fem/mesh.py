@@ -21,11 +21,16 @@ from slmm.fem.boundary import (
     boundary_pieces,
     boundary_segments,
     crack_nodes,
-    halved,
     on_boundary,
+    path_nodes,
     plate_body,
     spaced,
 )
+from slmm.fem.triangulation import MesherError, triangulated
+
+#: meshes that are tried, and by how much finer they are after the mesher has given up on one: whether it does is a
+#: matter of chance (chosen)
+ATTEMPTS, FINER = 8, 0.85
 
 
 @dataclass(frozen=True)
@@ -138,7 +143,8 @@ def plate_mesh(
         The notches, inside the plate or across its edges.
     path : ndarray, shape (k, 2), optional
         Nodes of a straight trial crack path, from its mouth (on an outline, an edge of the plate or a crack)
-        inwards, mm. The elements along it are as large as the distance between its nodes.
+        inwards, mm. The elements along it are as large as the distance between its nodes; where the surroundings are
+        finer, there are more nodes between them.
     size_max : float, optional
         Largest element, mm; by default a twelfth of the plate's shorter side.
     angle_max : float
@@ -159,8 +165,8 @@ def plate_mesh(
         Without netgen.
     ValueError
         When the notches cut the plate in pieces or leave nothing of it, or the path leaves the material.
-    RuntimeError
-        When the mesher does not keep the prescribed nodes.
+    MesherError
+        When the mesher finds no triangles, or does not keep the prescribed nodes.
 
     Examples
     --------
@@ -181,18 +187,20 @@ def plate_mesh(
     size = element_size.all_sizes(largest, outlines, in_material, have_mouths, path, body, angle_max)
     if fine_at is not None:
         size.prescribe(*fine_at)
-    lines = [crack_nodes(crack, size) for crack in in_material]
+    mouths = [crack[0] for crack, has in zip(in_material, have_mouths, strict=True) if has]
     if path is not None:
-        lines.append(path)
+        mouths.append(path[0])
         have_mouths.append(True)
-    mouths = np.array([line[0] for line, has in zip(lines, have_mouths, strict=True) if has]).reshape(-1, 2)
-    rings = boundary_pieces(body, outlines, mouths)
+    rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
     pieces = [piece for ring in rings for piece in ring]
 
-    parameters = [spaced(piece, outlines, size) for piece in pieces]
-    for _ in range(8):
+    for _ in range(ATTEMPTS):
+        parameters = [spaced(piece, outlines, size) for piece in pieces]
         points, segments, origin = boundary_segments(rings, parameters, outlines)
         n_boundary = len(segments)
+        lines = [crack_nodes(crack, size) for crack in in_material]
+        if path is not None:
+            lines.append(path_nodes(path, size))
         inner = []
         for line, has_mouth in zip(lines, have_mouths, strict=True):
             known = [_existing_node(points, line[0], largest)] if has_mouth else []
@@ -201,19 +209,22 @@ def plate_mesh(
             points = np.concatenate([points, new])
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
-        vertices, triangles = _netgen(points, segments, n_boundary, largest)
+        try:
+            vertices, triangles = triangulated(points, segments, n_boundary, size)
+        except MesherError as error:
+            why = str(error)
+            size.scale(FINER)
+            continue
         distance, of_point = cKDTree(vertices).query(points)
         kept = _are_edges(of_point[segments], triangles, len(vertices))
         if np.all(kept) and np.max(distance) <= 1e-9 * max(width, height):
             break
-        if not np.all(kept[n_boundary:]):
-            raise RuntimeError(
-                "the mesher cut an edge of a crack or its path: its node distances may change by a third at most"
-            )
-        # the mesher wanted shorter boundary edges here than we gave: halve them on the true curve, mesh again
-        parameters = halved(parameters, origin, ~kept[:n_boundary])
+        why = "the mesher cuts edges of the boundary, of cracks or of their path"
+        # it wants shorter edges here than we gave
+        ends = points[segments[~kept]]
+        size.prescribe(ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / 2)
     else:
-        raise RuntimeError(f"no mesh with the prescribed boundary nodes (size_max = {largest:g} mm)")
+        raise MesherError(f"{why}, after {ATTEMPTS} attempts with elements of {size.largest:.3g} mm at most")
 
     on_outline = np.array([pieces[k].outline >= 0 for k, _ in origin])
     edge_s = np.array([parameters[k][i : i + 2] for k, i in origin])
@@ -264,33 +275,3 @@ def _are_edges(pairs: np.ndarray, triangles: np.ndarray, n: int) -> np.ndarray:
     """Whether vertex pairs (k, 2) are edges of the triangles."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     return np.isin(np.sort(pairs, axis=1) @ [n, 1], edges @ [n, 1])
-
-
-def _netgen(
-    points: np.ndarray, segments: np.ndarray, n_boundary: int, size_max: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Triangulate: the first n_boundary segments have the body on their left, the others on both sides."""
-    try:
-        from netgen.geom2d import SplineGeometry
-        from netgen.meshing import NgException
-    except ImportError as error:
-        raise ImportError("body-fitted meshes need netgen: pip install slmm[fea]") from error
-    geometry = SplineGeometry()
-    number = [geometry.AppendPoint(float(x), float(y)) for x, y in points]
-    for k, (i, j) in enumerate(segments):
-        right = 0 if k < n_boundary else 1
-        geometry.Append(["line", number[i], number[j]], leftdomain=1, rightdomain=right, bc=1)
-    try:
-        mesh = geometry.GenerateMesh(maxh=size_max, grading=element_size.GROWTH)
-    except NgException as error:
-        raise RuntimeError(f"the mesher failed: {error}") from error
-    # copies: the mesher's arrays die with its mesh
-    vertices = np.array(mesh.Coordinates(), dtype=float)[:, :2]
-    triangles = np.array(mesh.Elements2D().NumPy()["nodes"], dtype=np.int64)[:, :3] - 1
-    used, number_used = np.unique(triangles, return_inverse=True)
-    triangles = number_used.reshape(-1, 3)
-    vertices = vertices[used]
-    a, b, c = vertices[triangles].swapaxes(0, 1)
-    turned = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
-    triangles[turned] = triangles[turned][:, [0, 2, 1]]
-    return vertices, triangles

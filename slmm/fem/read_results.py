@@ -1,6 +1,6 @@
 """Results of finite element programs from their files, as configurational forces and crack tips take them.
 
-Displacements, elements and materials come from CalculiX's .frd with the .inp beside it, or from what meshio reads.
+Displacements, elements and materials come from CalculiX's .frd with the .inp beside it, or from other programs' files.
 Stresses and energies at the integration points follow from the displacements wherever the elasticity is known: that is
 what a linear program computed itself there. The nodal values of a file are means over the elements around a node.
 """
@@ -31,14 +31,15 @@ def read_element_results(
     reduced: bool = False,
     thickness: float | None = None,
     inp: str | Path | None = None,
+    field: str | None = None,
 ) -> ElementResults:
     """Read displacements, and stresses and energies at the integration points, of a plane or solid model.
 
     Parameters
     ----------
     path : path
-        CalculiX's ASCII results (.frd), or a format of meshio: .vtu, .vtk, .xdmf, .med, .msh and others; mm and MPa.
-        Displacements are nodal data called displacement, displacements, disp or u, in capitals or not.
+        A file as `slmm.fem.results.read_displacements` takes it: CalculiX's ASCII results (.frd), .vtu, .pvtu, .pvd,
+        Exodus, or a format of meshio; mm and MPa.
     step : int
         Which of the steps with displacements, counted from 0; from the end if negative.
     elasticity : Elasticity or sequence of Elasticity, optional
@@ -54,6 +55,8 @@ def read_element_results(
         Of plane elements, mm; by default that of the input file's sections, else 1.
     inp : path, optional
         CalculiX's input file: by default the one beside a .frd file, of the same name, if it is there.
+    field : str, optional
+        Which nodal data are the displacements, see `slmm.fem.results.read_displacements`.
 
     Returns
     -------
@@ -90,7 +93,8 @@ def read_element_results(
     an input file, solids are solids. Elements of lower dimension than the others, such as the surfaces in a .msh file,
     are left out. Elements whose nodes run the other way round are turned.
 
-    Wedges of 15 nodes are read from .frd files only: meshio 5.3 does not take them.
+    Elements or pieces with nodes of their own are joined, see `slmm.fem.joined_nodes`; their nodal stresses become
+    means.
 
     Examples
     --------
@@ -112,14 +116,14 @@ def read_element_results(
     if inp is not None and not of_calculix:
         raise ValueError(f"inp = {inp}: belongs to results of CalculiX (.frd), not to {path}")
     if of_calculix:
-        result, displacement = frd_displacements(path, step)
+        result, displacement = frd_displacements(path, step, field)
         beside = path.with_suffix(".inp") if inp is None else Path(inp)
         input_file = read_inp(beside) if beside.is_file() else None
     else:
-        mesh = mesh_displacements(path, step)
+        mesh = mesh_displacements(path, step, field)
     try:
         if not of_calculix:
-            model = mesh_model(path, mesh, reduced)
+            model = mesh_model(mesh, reduced)
         elif input_file is None:
             model = result_model(result, displacement, reduced)
         else:

@@ -1,4 +1,4 @@
-"""Displacements from the result files of finite element programs: CalculiX's .frd, and whatever meshio reads.
+"""Displacements from the result files of finite element programs: CalculiX's .frd, VTK's, Exodus and meshio's formats.
 
 The model must be plane: plane elements in the x-y plane, or one layer of solid elements between two planes
 z = const, which is what CalculiX makes of plane elements. Of such a layer the face with the lowest z is taken.
@@ -6,32 +6,21 @@ z = const, which is what CalculiX makes of plane elements. Of such a layer the f
 
 from __future__ import annotations
 
-import contextlib
-import io
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
-import meshio
 import numpy as np
 
+from slmm.fem.displacement_names import find_displacements
 from slmm.fem.field import ELEMENTS, DisplacementField
+from slmm.fem.file_mesh import FileMesh, side_by_side
 from slmm.fem.frd import FrdField, FrdResult, read_frd
 from slmm.fem.inp_lines import blocks, plain
-
-#: what programs call nodal displacements, in lower case; the first one found is taken
-NAMES = ("displacement", "displacements", "disp", "u")
-
-#: how meshio names the steps of a MED file: "name[0] - time"
-_STEP_NAME = re.compile(r"(?P<name>.*?)(\[(?P<number>\d+)\] - .*)?")
-
-#: elements that carry nothing in a plane model: points and lines, on which loads are applied
-_THIN = re.compile("vertex|line")
+from slmm.fem.joined_nodes import first_of_equal, joined, mean_of_joined
 
 #: plane elements by their number of nodes, as faces of solid elements
-_FACE_KINDS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
+_FACE_KINDS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 
 
 def _both_ways(face: Sequence[int], opposite: Sequence[int]) -> list[tuple[list[int], list[int]]]:
@@ -50,35 +39,63 @@ FACES: dict[str, list[tuple[list[int], list[int]]]] = {
         *_both_ways((0, 1, 5, 4, 8, 17, 12, 16), (3, 2, 6, 7, 10, 18, 14, 19)),
         *_both_ways((0, 3, 7, 4, 11, 19, 15, 16), (1, 2, 6, 5, 9, 18, 13, 17)),
     ],
+    "hexahedron27": [
+        *_both_ways((0, 1, 2, 3, 8, 9, 10, 11, 24), (4, 5, 6, 7, 12, 13, 14, 15, 25)),
+        *_both_ways((0, 1, 5, 4, 8, 17, 12, 16, 22), (3, 2, 6, 7, 10, 18, 14, 19, 23)),
+        *_both_ways((0, 3, 7, 4, 11, 19, 15, 16, 20), (1, 2, 6, 5, 9, 18, 13, 17, 21)),
+    ],
     "wedge": _both_ways((0, 1, 2), (3, 4, 5)),
     "wedge15": _both_ways((0, 1, 2, 6, 7, 8), (3, 4, 5, 9, 10, 11)),
+    "wedge18": _both_ways((0, 1, 2, 6, 7, 8), (3, 4, 5, 9, 10, 11)),
 }
 
 
-def read_displacements(path: str | Path, step: int = -1) -> DisplacementField:
+#: beginnings of meshio's names of what has no inside: points and lines, on which loads are applied
+THIN = ("vertex", "line")
+
+#: files that are read here; meshio reads others by their name's end
+_EXODUS = (".e", ".exo", ".exii", ".ex2", ".g")
+
+#: files whose name is not enough: what they are, and what to give in their place
+_NOT_READ = {
+    ".vtp": "polygons of surfaces: an unstructured grid (.vtu) is needed",
+    ".pvtp": "polygons of surfaces: an unstructured grid (.vtu) is needed",
+    ".vti": "an image: an unstructured grid (.vtu) is needed",
+    ".vtr": "a rectilinear grid: an unstructured grid (.vtu) is needed",
+    ".vts": "a structured grid: an unstructured grid (.vtu) is needed",
+    ".vtm": "an index of several data sets: one of them (.vtu) is needed",
+    ".vtkhdf": "VTK's HDF5, which is not read: the same as .vtu is needed",
+    ".odb": "Abaqus' database, which only Abaqus reads: export it, as .vtu for instance",
+}
+
+
+def read_displacements(path: str | Path, step: int = -1, field: str | None = None) -> DisplacementField:
     """Read the displacements of a plane finite element model.
 
     Parameters
     ----------
     path : path
-        CalculiX's ASCII results (.frd), or a format of meshio: .vtu, .vtk, .xdmf, .med, .msh and others. Lengths and
-        displacements in mm. The displacements are nodal data called displacement, displacements, disp or u, in
-        capitals or not.
+        CalculiX's ASCII results (.frd); VTK's .vtu, the pieces that a .pvtu names and the times that a .pvd names;
+        Exodus (.e, .exo); or a format of meshio: .vtk, .xdmf, .med, .msh and others. Lengths and displacements in mm.
     step : int
         Which of the steps with displacements, counted from 0; from the end if negative.
+    field : str, optional
+        Which nodal data are the displacements, or, for a scalar for each direction, what their names have in common.
+        By default those that have one of the names of `slmm.fem.displacement_names`.
 
     Raises
     ------
     OSError
         When there is no such file.
     ValueError
-        When the file cannot be read, is cut off, holds no displacements or not this step, or the model is not plane.
+        When the file cannot be read, is cut off, holds no displacements or not this step, several data may be the
+        displacements, they jump from element to element, or the model is not plane.
 
     Notes
     -----
     An axisymmetric model with plane output looks like a plane one: only CalculiX's input file of the same name, if it
     is beside the results, tells them apart. A .frd file keeps six digits: a large rigid motion takes them away from the
-    strains. Wedges of 15 nodes are read from .frd files only: meshio 5.3 does not know them.
+    strains. Elements or pieces with nodes of their own are joined, see `slmm.fem.joined_nodes`.
 
     Examples
     --------
@@ -90,19 +107,21 @@ def read_displacements(path: str | Path, step: int = -1) -> DisplacementField:
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
     if path.suffix.lower() == ".frd":
-        result, displacement = frd_displacements(path, step)
+        result, displacement = frd_displacements(path, step, field)
         if _is_axisymmetric(path.with_suffix(".inp")):
             raise ValueError(f"{path}: has axisymmetric elements (CAX) by its .inp: a plane model is needed")
-        points, cells, u = result.nodes, result.cells, displacement.values
+        model: tuple[np.ndarray, Mapping[str, np.ndarray], np.ndarray]
+        model = result.nodes, result.cells, displacement.values
     else:
-        points, cells, u, *_ = mesh_displacements(path, step)
+        found = mesh_displacements(path, step, field)
+        model = found.mesh.points, found.mesh.cells, found.u
     try:
-        return DisplacementField(*_plane_model(points, cells, u))
+        return DisplacementField(*_plane_model(*model))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 
 
-def frd_displacements(path: Path, step: int) -> tuple[FrdResult, FrdField]:
+def frd_displacements(path: Path, step: int, field: str | None = None) -> tuple[FrdResult, FrdField]:
     """All that a .frd file holds, and the displacements of a step, known at all nodes of elements.
 
     Raises
@@ -111,31 +130,35 @@ def frd_displacements(path: Path, step: int) -> tuple[FrdResult, FrdField]:
         See `read_displacements`.
     """
     result = read_frd(path)
+    if field not in (None, "DISP"):
+        raise ValueError(
+            f"{path}: field = {field[:60]!r}: the displacements of CalculiX are DISP; there are "
+            f"{', '.join(result.fields) or 'none'}"
+        )
     if "DISP" not in result.fields:
         raise ValueError(
             f"{path}: holds no displacements (DISP), only {', '.join(result.fields) or 'the mesh'}; ask CalculiX "
             "for them: *NODE FILE, U"
         )
     fields = result.fields["DISP"]
-    field = fields[_chosen(path, step, len(fields))]
-    if field.of_mode:
+    found = fields[_chosen(path, step, len(fields))]
+    if found.of_mode:
         loaded = [number for number, other in enumerate(fields) if not other.of_mode]
         raise ValueError(
-            f"{path}: step {step} of {len(fields)} is a mode of vibration or buckling ({field.value:g}), whose "
+            f"{path}: step {step} of {len(fields)} is a mode of vibration or buckling ({found.value:g}), whose "
             f"displacements have no size of their own; steps under load: {', '.join(map(str, loaded)) or 'none'}"
         )
     # nodes of networks and springs need not move
-    of_solids = [nodes.ravel() for kind, nodes in result.cells.items() if not _THIN.match(kind)]
+    of_solids = [nodes.ravel() for kind, nodes in result.cells.items() if not kind.startswith(THIN)]
     used = np.unique(np.concatenate([np.zeros(0, int), *of_solids]))
-    missing = used[~np.isfinite(field.values[used]).all(axis=1)]
+    missing = used[~np.isfinite(found.values[used]).all(axis=1)]
     if len(missing):
         raise ValueError(
             f"{path}: no finite displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
             "nodes); ask CalculiX for all: *NODE FILE without NSET, and see whether the run converged"
         )
     # nodes of flows, shells and beams have more than three
-    of_space = replace(field, components=field.components[:3], read=lambda: field.values[:, :3])
-    return result, of_space
+    return result, replace(found, components=found.components[:3], read=lambda: found.values[:, :3])
 
 
 def _is_axisymmetric(beside: Path) -> bool:
@@ -149,92 +172,92 @@ def _is_axisymmetric(beside: Path) -> bool:
         return False
 
 
-class MeshStep(NamedTuple):
-    """A step of a file that meshio reads: nodes, elements by type, displacements, and the data of all steps.
+@dataclass(frozen=True)
+class MeshStep:
+    """A step of a file: its mesh, of which parts hang together, with the data of all steps; and its displacements.
 
-    Data of elements come as an array for each of the ``blocks``, which are named by their types.
+    Parameters
+    ----------
+    mesh : FileMesh
+    u : ndarray (n, 2 or 3)
+        mm.
+    number : int
+        Of the step in the names of the data, -1 when the mesh has this step alone.
     """
 
-    points: np.ndarray
-    cells: dict[str, np.ndarray]
+    mesh: FileMesh
     u: np.ndarray
     number: int
-    blocks: tuple[str, ...]
-    point_data: dict[str, np.ndarray]
-    cell_data: dict[str, list[np.ndarray]]
 
 
-def mesh_displacements(path: Path, step: int) -> MeshStep:
-    """A step with displacements of a file that meshio reads.
+def mesh_displacements(path: Path, step: int, field: str | None = None) -> MeshStep:
+    """A step with displacements of any file but a .frd.
 
     Raises
     ------
-    ValueError
+    OSError, ValueError
         See `read_displacements`.
     """
-    with _reading(path):
-        series = _xdmf_series(path)
-    if series is None:
-        with _reading(path):
-            mesh = meshio.read(path)
-        points, blocks, data, cell_data = mesh.points, mesh.cells, mesh.point_data, mesh.cell_data
-    else:
-        chosen = range(series.num_steps)[_chosen(path, step, series.num_steps)]
-        with _reading(path), series:
-            points, blocks = series.read_points_cells()
-            _, data, cell_data = series.read_data(chosen)
-        step = -1
-    steps = steps_of(path, data)
-    name = next((name for name in NAMES if name in steps), None)
-    if name is None:
-        raise ValueError(
-            f"{path}: holds no displacements: nodal data must have one of the names {', '.join(NAMES)}; there are "
-            f"{', '.join(data) or 'none'}"
-        )
-    number, key = sorted(steps[name].items())[_chosen(path, step, len(steps[name]))]
-    of_kind: dict[str, list[np.ndarray]] = {}
-    for block in blocks:
-        of_kind.setdefault(block.type, []).append(np.asarray(block.data))
-    cells = {kind: np.concatenate(parts) for kind, parts in of_kind.items()}
-    return MeshStep(points, cells, data[key], number, tuple(block.type for block in blocks), data, cell_data)
-
-
-def steps_of(path: Path, data: Iterable[str]) -> dict[str, dict[int, str]]:
-    """The names of data in lower case, and for each the file's own by the number of the step, -1 if it has none."""
-    found: dict[str, dict[int, str]] = {}
-    for key in data:
-        match = _STEP_NAME.fullmatch(key)
-        assert match is not None  # the pattern takes any text
-        steps = found.setdefault(match["name"].strip().lower(), {})
-        number = int(match["number"] or -1)
-        if number in steps:
-            raise ValueError(f"{path}: {steps[number]!r} and {key!r} have the same name but for capitals")
-        steps[number] = key
-    return found
-
-
-def _xdmf_series(path: Path) -> meshio.xdmf.TimeSeriesReader | None:
-    """The steps of an XDMF file that has them."""
-    if path.suffix.lower() not in (".xdmf", ".xmf"):
-        return None
+    mesh, alone = _read_mesh(path, lambda count: _chosen(path, step, count))
     try:
-        return meshio.xdmf.TimeSeriesReader(path)
-    except meshio.ReadError:
-        return None
+        _, steps = find_displacements(mesh.point_data, mesh.components, field)
+        number = sorted(steps)[_chosen(path, -1 if alone else step, len(steps))]
+        cells, node = joined(mesh.points, mesh.cells, steps[number])
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    data, cell_data = mesh.point_data, mesh.cell_data
+    if (node != np.arange(len(node))).any():
+        data = {
+            name: mean_of_joined(values, node) if values.dtype.kind == "f" else values
+            for name, values in data.items()
+        }
+        # pieces overlap where ghosts are not marked
+        once = {kind: first_of_equal(nodes) for kind, nodes in cells.items()}
+        cells = {kind: nodes[once[kind]] for kind, nodes in cells.items()}
+        cell_data = {
+            name: {kind: values[once[kind]] for kind, values in own.items()}
+            for name, own in cell_data.items()
+        }
+    return MeshStep(FileMesh(mesh.points, cells, data, cell_data), steps[number], number)
 
 
-@contextlib.contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Make one error of all that happens to a bad file in meshio: it prints, raises anything, or exits."""
-    said = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            yield
-    except (Exception, SystemExit) as error:
-        reason = " ".join(said.getvalue().split()) or f"{type(error).__name__}: {error}"
-        if isinstance(error, KeyError) and error.args == ("wedge15",):
-            reason = "it has wedges of 15 nodes (C3D15), which meshio does not take"
-        raise ValueError(f"{path}: cannot be read: {reason}") from error
+def _read_mesh(path: Path, chosen: Callable[[int], int]) -> tuple[FileMesh, bool]:
+    """The mesh of a file, and whether its data are of the chosen time alone."""
+    # readers are imported where they are needed: each brings a library
+    suffix = path.suffix.lower()
+    if suffix in _NOT_READ:
+        raise ValueError(f"{path}: holds {_NOT_READ[suffix]}")
+    if suffix in (".vtu", ".pvtu"):
+        return _read_vtk(path), False
+    if suffix == ".pvd":
+        from slmm.fem.vtk_index import files_of_steps
+
+        steps = files_of_steps(path)
+        return side_by_side([_read_vtk(file) for file in steps[chosen(len(steps))]]), True
+    # MOOSE numbers its files with other meshes: name.e-s002
+    if suffix.split("-")[0] in _EXODUS:
+        from slmm.fem.exodus import read_exodus
+
+        return read_exodus(path, chosen), True
+    if suffix == ".vtk":
+        from slmm.fem.vtk_legacy import dataset_of, read_legacy
+
+        # meshio makes elements of images and structured grids
+        if dataset_of(path) == "UNSTRUCTURED_GRID":
+            return read_legacy(path), False
+    from slmm.fem.meshio_file import read_with_meshio
+
+    return read_with_meshio(path, chosen)
+
+
+def _read_vtk(path: Path) -> FileMesh:
+    if path.suffix.lower() == ".pvtu":
+        from slmm.fem.vtk_index import read_pvtu
+
+        return read_pvtu(path)
+    from slmm.fem.vtk_xml import read_vtu
+
+    return read_vtu(path)
 
 
 def _chosen(path: Path, step: int, count: int) -> int:
@@ -249,7 +272,7 @@ def _plane_model(
     """Nodes, plane elements and displacements in the plane."""
     if u.ndim != 2 or u.shape[1] not in (2, 3):
         raise ValueError(f"the displacements have shape {u.shape}: 2 or 3 components are needed")
-    cells = {kind: nodes for kind, nodes in cells.items() if not _THIN.match(kind)}
+    cells = {kind: nodes for kind, nodes in cells.items() if not kind.startswith(THIN)}
     unknown = sorted(set(cells) - set(ELEMENTS) - set(FACES))
     if unknown:
         raise ValueError(

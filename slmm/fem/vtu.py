@@ -23,12 +23,15 @@ CELL_TYPES = {
     (2, 4): 9,
     (2, 6): 22,
     (2, 8): 23,
+    (2, 9): 28,
     (3, 4): 10,
     (3, 6): 13,
     (3, 8): 12,
     (3, 10): 24,
     (3, 15): 26,
+    (3, 18): 32,
     (3, 20): 25,
+    (3, 27): 29,
 }
 
 #: the triangles of VTK's linear wedges run the other way round, those of its quadratic wedges do not

@@ -2,12 +2,13 @@
 
 A weight q is 1 at the tip, falls to 0 at a radius R and moves the material with it. The energy that this releases is
 
-    J = - sum over nodes of  q CF  +  integral over both crack faces of  q e n dS,
+    J_k = - sum over nodes of  q CF_k  +  integral over both crack faces of  q (e n_k - t . du/dX_k) dS,
 
-the domain form of thesis Eq. 3.14 and 3.15: CF are the nodal configurational forces, n the outward normal, and a face
-without traction has nothing but its energy density e. Along a straight crack the second term vanishes; across it, it
-must not be left out where K_II and a stress parallel to the crack meet (Schmitz and Ricoeur). The stress intensities
-follow from the interaction of the field with that of K_I = 1 or K_II = 1 (Stern, Becker and Dunham 1976).
+the domain form of thesis Eq. 3.14 and 3.15: CF are the nodal configurational forces, n the outward normal, e the energy
+density and t the traction. Along a straight crack the energy's term vanishes; across it, it must not be left out where
+K_II and a stress parallel to the crack meet (Schmitz and Ricoeur). The traction's term, and the same one in the
+interaction integral, is that of `slmm.fracture.face_traction`. The stress intensities follow from the interaction of
+the field with that of K_I = 1 or K_II = 1 (Stern, Becker and Dunham 1976).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.element_results import ElementResults
 from slmm.fem.elements import element_named
+from slmm.fracture.face_traction import LoadedFace, edge_shape, traction_in_interaction, traction_in_j
 from slmm.fracture.tip_field import tip_gradients
 from slmm.fracture.tips import CrackTip
 
@@ -30,6 +32,8 @@ TIP_EDGES, FIT_EDGES = 3, 4
 FIT_SHARE = 0.5
 #: powers of the distance in the strain along the faces: in the part that both have alike, and in the opposite part
 ALIKE, OPPOSITE = np.arange(3), np.arange(4) - 0.5
+#: steps that find a place on an edge whose middle node is not in its middle, at a quarter at the worst
+NEWTON = 6
 #: Gauss points per edge of the faces: where quadratic elements' strains are most accurate, and of linear ones
 X_SERIES, W_SERIES = np.polynomial.legendre.leggauss(16)
 QUADRATIC, LINEAR = np.polynomial.legendre.leggauss(2), np.polynomial.legendre.leggauss(1)
@@ -41,7 +45,12 @@ def weight(distance: np.ndarray, radius: float) -> np.ndarray:
 
 
 def j_vector(
-    results: ElementResults, forces: np.ndarray, tip: CrackTip, radius: float, elasticity: Elasticity | None
+    results: ElementResults,
+    forces: np.ndarray,
+    tip: CrackTip,
+    radius: float,
+    elasticity: Elasticity | None,
+    faces: tuple[LoadedFace, LoadedFace] | None = None,
 ) -> np.ndarray:
     """J (2,) along the crack's direction and left of it, N/mm.
 
@@ -55,6 +64,8 @@ def j_vector(
         Of the domain, mm, at most ``tip.clear``.
     elasticity : Elasticity or None
         Of the material at the tip. Without it the energy at the faces is not known, nor the second component: NaN.
+    faces : pair of LoadedFace, optional
+        From `slmm.fracture.face_traction.loaded_faces`; by default free of traction.
 
     Raises
     ------
@@ -65,7 +76,7 @@ def j_vector(
     q = weight(np.linalg.norm(results.points - tip.position, axis=1), radius)
     J = -(q @ forces) @ tip.axes.T / results.thickness
     J[1] = np.nan if elasticity is None else J[1] + face_term(results, tip, radius, elasticity)
-    return J
+    return J if faces is None else J + traction_in_j(faces, q, elasticity, results.method == "mbf")
 
 
 def _check_clear(tip: CrackTip, radius: float) -> None:
@@ -79,10 +90,9 @@ def _check_clear(tip: CrackTip, radius: float) -> None:
 def face_term(results: ElementResults, tip: CrackTip, radius: float, elasticity: Elasticity) -> float:
     """What the energy of the crack faces adds to J left of the direction, N/mm.
 
-    Without traction the energy density is E'/2 times the square of the strain along the face; of its part alike on
-    both faces and its opposite part, the product alone makes a difference. Next to the tip the finite elements'
-    strain is not good enough: there the series that fits it further out takes its place, T + C r + ... and
-    a/sqrt(r) + b sqrt(r) + ...
+    The strain along the face has the energy density E'/2 times its square; of its part alike on both faces and its
+    opposite part, the product alone makes a difference. Next to the tip the finite elements' strain is not good enough:
+    there the series that fits it further out takes its place, T + C r + ... and a/sqrt(r) + b sqrt(r) + ...
     """
     r, ds, alike, opposite = _face_strains(results, tip)
     middle = r.mean(axis=1)
@@ -124,25 +134,37 @@ def _face_strains(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """At Gauss points (e, g) of the faces: distance from the tip, length, strain alike on both faces, and opposite."""
     along = tip.axes[0]
-    quadratic = tip.upper.shape[1] == 3
-    x, w = QUADRATIC if quadratic else LINEAR
-    t = x[:, None]
-    if quadratic:
-        shape = np.hstack([t * (t - 1) / 2, t * (t + 1) / 2, 1 - t**2])
-        slope = np.hstack([t - 0.5, t + 0.5, -2 * t])
-    else:
-        shape, slope = np.hstack([1 - t, 1 + t]) / 2, np.array([[-0.5, 0.5]])
+    x, w = QUADRATIC if tip.upper.shape[1] == 3 else LINEAR
+    shape, slope = edge_shape(tip.upper.shape[1], x)
     # s grows outwards from the tip, against the crack's direction
-    s = -(results.points[tip.upper] - tip.position) @ along
-    strain = []
-    for face in (tip.upper, tip.lower):
-        strain.append(-(results.u[face] @ along) @ slope.T / (s @ slope.T))
-    upper, lower = strain
-    return s @ shape.T, (s @ slope.T) * w, (upper + lower) / 2, (upper - lower) / 2
+    s, u = -(results.points[tip.upper] - tip.position) @ along, -results.u[tip.upper] @ along
+    r, ds = s @ shape.T, s @ slope.T
+    upper = (u @ slope.T) / ds
+    lower = _strain_at(
+        r.ravel(), *(-(a[tip.lower]) @ along for a in (results.points - tip.position, results.u))
+    )
+    lower = lower.reshape(r.shape)
+    return r, ds * w, (upper + lower) / 2, (upper - lower) / 2
+
+
+def _strain_at(r: np.ndarray, s: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Strain along a face at distances r (k,) from the tip, of edges whose nodes (e, 2 or 3) are at s and move by u."""
+    edge = np.clip(np.searchsorted(s[:, 1], r), 0, len(s) - 1)
+    s, u = s[edge], u[edge]
+    t = 2 * (r - s[:, 0]) / (s[:, 1] - s[:, 0]) - 1
+    for _ in range(NEWTON if s.shape[1] == 3 else 0):
+        shape, slope = edge_shape(3, t)
+        t = np.clip(t - ((s * shape).sum(axis=1) - r) / (s * slope).sum(axis=1), -1.0, 1.0)
+    slope = edge_shape(s.shape[1], t)[1]
+    return (u * slope).sum(axis=1) / (s * slope).sum(axis=1)
 
 
 def stress_intensities(
-    results: ElementResults, tip: CrackTip, radius: float, elasticity: Elasticity
+    results: ElementResults,
+    tip: CrackTip,
+    radius: float,
+    elasticity: Elasticity,
+    faces: tuple[LoadedFace, LoadedFace] | None = None,
 ) -> np.ndarray:
     """K_I and K_II (2,), MPa sqrt(mm), by the interaction integral.
 
@@ -150,6 +172,9 @@ def stress_intensities(
     """
     _check_clear(tip, radius)
     total = np.zeros(2)
+    if faces is not None:
+        at_nodes = weight(np.linalg.norm(results.points - tip.position, axis=1), radius)
+        total += traction_in_interaction(faces, at_nodes, elasticity)
     for name, nodes in results.cells.items():
         q = weight(np.linalg.norm(results.points[nodes] - tip.position, axis=-1), radius)
         # where the weight is constant nothing is added

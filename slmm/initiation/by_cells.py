@@ -69,6 +69,10 @@ def local_field(task: Task) -> tuple[LocalField, dict[str, Any]]:
 def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
     """Solve the voxel model; its description for the result."""
     voxels = voxel_count(task)
+    if "voxels" in task.solved:
+        wanted, solved, described = task.solved["voxels"]
+        if wanted >= voxels:
+            return solved, described
     task.progress(0.0, f"local model, {voxels} voxels")
     scene = task.scene
     void = task.settings.void_stiffness or scene.analysis.void_stiffness
@@ -79,12 +83,14 @@ def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
         stiffer = scene.analysis.model_copy(update={"void_stiffness": min(STIFFER_VOID * void, 1.0)})
         rough = scene.model_copy(update={"analysis": stiffer})
         local = replace(local, coarser=solve_local_model(rough, max(voxels // 4, SMALLEST_SIDE**2)))
-    return local, {
+    described = {
         "local_model": "voxels",
         "voxels": local.nx * local.ny,
         "voxel_size": f"{local.hx:.6g} x {local.hy:.6g} mm",
         "solver_iterations": local.iterations,
     }
+    task.solved["voxels"] = (voxels, local, described)
+    return local, described
 
 
 def voxel_count(task: Task) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -11,20 +12,27 @@ import numpy as np
 import xarray as xr
 
 from slmm import __version__
+from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.by_cells import by_cells
 from slmm.initiation.by_choice import by_choice
 from slmm.initiation.by_stress import METHODS as STRESS_METHODS
 from slmm.initiation.by_stress import by_stress
 from slmm.initiation.criterion import GOVERNED_BY
 from slmm.initiation.meta_model import shipped_database
+from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
-from slmm.initiation.positions import Positions, find_positions
+from slmm.initiation.peaks import find_peaks, positions_at
+from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Progress, Task
+from slmm.plausible import UnusualValueWarning, unusual_values
 from slmm.scene import Scene
 
 if TYPE_CHECKING:
     from slmm.initiation.given_field import GivenField
+
+#: times that positions are added where the index is largest
+ROUNDS = 4
 
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
@@ -79,6 +87,7 @@ def failure_indices(
     tolerance: float | None = None,
     displacements: Any = None,
     progress: Progress = lambda fraction, text: None,
+    field: str | None = None,
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
@@ -93,7 +102,8 @@ def failure_indices(
         every position ("full-fea"); at crack tips also Griffith's ("griffith"). All but those on stresses and cells
         need the extra ``fea``. By default what the scene asks for.
     positions : int, optional
-        Positions on each hole, equally spaced; by default what the scene asks for.
+        Positions on each hole, equally spaced; by default what the scene asks for. From eight on, further ones are
+        added where the index is largest, until its estimated error covers what lies between two of them.
     curves : bool
         Also give G_inc and sigma_I along the crack paths.
     settings : {"default", "published"} or Settings, optional
@@ -112,13 +122,21 @@ def failure_indices(
         only the kind counts, which tells how the plate's edges are held.
     progress : callable
         Called with the finished fraction and what is being done.
+    field : str, optional
+        Which nodal data of a file of displacements they are, see `slmm.fem.results.read_displacements`.
 
     Returns
     -------
     xarray.Dataset
         Dimension ``position`` (and ``crack`` with curves). ``failure_index`` is NaN where ``status`` is not "ok"
         and says why; it is 0 where the path carries no tension. ``failure_index_error`` is what the method estimates
-        as its error, in the same unit; NaN where it has no estimate.
+        as its error, in the same unit; NaN where it has no estimate. ``failure_index_bound`` is what the index is at
+        most: value and error, or, where there is no value, what the strength allows; infinite where nothing is known.
+
+    Warns
+    -----
+    UnusualValueWarning
+        For values that no solid or part has, as they come from a mistaken unit; ``attrs["warnings"]`` has them, too.
 
     Raises
     ------
@@ -137,6 +155,8 @@ def failure_indices(
     >>> round(float(result.failure_index[0]), 1)
     9.3
     """
+    for text in unusual_values(scene):
+        warnings.warn(text, UnusualValueWarning, stacklevel=2)
     analysis = scene.analysis
     method = analysis.method if method is None else method
     if method not in METHODS:
@@ -146,8 +166,13 @@ def failure_indices(
         if settings not in SETTINGS:
             raise ValueError(f"settings = {settings!r}: available are {', '.join(SETTINGS)}")
         settings = SETTINGS[settings]
+    # the paper's way has the positions it was given
+    spread = analysis.positions if positions is None else positions
+    refined = (positions is not None or analysis.points is None) and spread >= FEW and settings != PUBLISHED
     where = find_positions(scene, positions)
-    given = None if displacements is None else _given(displacements, method, scene, where)
+    if displacements is None and field is not None:
+        raise ValueError(f"field = {field!r}: belongs to displacements from a file, and none is given")
+    given = None if displacements is None else _given(displacements, method, scene, where, field)
     task = Task(
         scene,
         where,
@@ -160,21 +185,56 @@ def failure_indices(
         progress,
     )
     answer = METHODS[method](task)
+    if refined:
+        task, answer = with_peaks(task, answer, METHODS[method])
+    # behind the method, which need not be dearer for what the picture of the notch leaves open
+    add_outline_error(task, answer)
+    bound = upper_bounds(task, answer, method)
     answer.provenance = {"method": method} | answer.provenance
+    if answer.cost:
+        answer.provenance["cost"] = "; ".join(
+            f"{name}: {count} positions in {seconds:.2g} s" for name, (count, seconds) in answer.cost.items()
+        )
     if given is not None:
         answer.provenance["displacements"] = given.source
     progress(1.0, "done")
-    return _dataset(task, answer, curves)
+    return _dataset(task, answer, bound, curves)
 
 
-def _given(displacements: Any, method: str, scene: Scene, where: Positions) -> GivenField:
+def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> tuple[Task, Answer]:
+    """The task and its answer with further positions, until the estimates cover the peaks between positions.
+
+    What they still do not cover after `ROUNDS` is added to the estimate.
+    """
+    for left in reversed(range(ROUNDS + 1)):
+        with np.errstate(divide="ignore"):
+            index = np.where(answer.status == "ok", 1 / answer.load_factor, np.nan)
+        peaks = find_peaks(task.scene, task.where, index, index * answer.error, answer.crack_length)
+        if not peaks:
+            break
+        if not left:
+            for peak in peaks:
+                answer.error[peak.row] += peak.rise / index[peak.row]
+            break
+        hole, s = positions_at(peaks, task.where)
+        task.progress(0.9, f"{len(s)} positions more, where the index is largest")
+        further = task.at(positions_on(task.scene, hole, s, np.full(len(s), -1)))
+        both = Positions(*(np.concatenate(pair) for pair in zip(task.where, further.where, strict=True)))
+        # crack tips, which have no outline, stay behind all outlines
+        order = np.lexsort((np.nan_to_num(both.s), np.where(both.hole < 0, np.inf, both.hole)))
+        answer = answer.with_more(method(further), order)
+        task = task.at(Positions(*(values[order] for values in both)))
+    return task, answer
+
+
+def _given(displacements: Any, method: str, scene: Scene, where: Positions, field: str | None) -> GivenField:
     if method not in ON_DISPLACEMENTS:
         raise ValueError(
             f"method = {method!r}: takes no displacements; those that do are {', '.join(ON_DISPLACEMENTS)}"
         )
     from slmm.initiation.given_field import given_field  # imports the readers of result files
 
-    return given_field(displacements, scene, where)
+    return given_field(displacements, scene, where, field)
 
 
 def _irwin_length_limit(scene: Scene, answer: Answer) -> np.ndarray:
@@ -198,6 +258,11 @@ _UNITS = {
     "curvature": ("1/mm", "curvature c of the parabola eta = c xi^2"),
     "failure_index": ("1", "failure index FI = 1/load_factor"),
     "failure_index_error": ("1", "estimated error of the failure index"),
+    "failure_index_bound": (
+        "1",
+        "upper bound of the failure index: value and error, or strength; inf where unknown",
+    ),
+    "outline_error": ("1", "part of its relative error that the picture of the notch leaves open"),
     "load_factor": ("1", "factor on the load at which a crack starts"),
     "crack_length": ("mm", "length with which the crack starts"),
     "governed_by": ("1", "condition that decides the load"),
@@ -223,7 +288,7 @@ _UNITS = {
 }
 
 
-def _dataset(task: Task, answer: Answer, curves: bool) -> xr.Dataset:
+def _dataset(task: Task, answer: Answer, bound: np.ndarray, curves: bool) -> xr.Dataset:
     with np.errstate(divide="ignore"):
         failure_index = 1 / answer.load_factor
     where = task.where
@@ -235,6 +300,7 @@ def _dataset(task: Task, answer: Answer, curves: bool) -> xr.Dataset:
         "curvature": answer.column("curvature"),
         "failure_index": failure_index,
         "failure_index_error": failure_index * answer.error,
+        "failure_index_bound": bound,
         "load_factor": answer.load_factor,
         "crack_length": answer.crack_length,
         "governed_by": np.array([GOVERNED_BY[code] for code in answer.governed_by]),
@@ -259,4 +325,6 @@ def _dataset(task: Task, answer: Answer, curves: bool) -> xr.Dataset:
     for name in dataset.data_vars:
         dataset[name].attrs = dict(zip(("units", "long_name"), _UNITS[str(name)], strict=True))
     dataset.attrs = {"title": task.scene.title, "version": __version__} | answer.provenance
+    if unusual := unusual_values(task.scene):
+        dataset.attrs["warnings"] = "; ".join(unusual)
     return dataset

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import plate_mesh
@@ -132,8 +133,6 @@ def full_fea_curves(
         raise ValueError(f"n_lengths = {n_lengths!r}: at least 2")
     a = np.geomspace(a_min, a_max, n_lengths)
     depth = path_depths(a)
-    # where the lengths are among the vertices of the path
-    last_nodes = len(depth) - 1 - nodes_per_length(a) * np.arange(n_lengths)[::-1]
     if eta is None:
         eta = a if singular else np.concatenate([[0.0], a])
     eta = np.asarray(eta, dtype=float)
@@ -143,6 +142,8 @@ def full_fea_curves(
     path = origin + depth[:, None] * along
     cracks = [np.asarray(crack.points, dtype=float) for crack in scene.cracks]
     mesh = plate_mesh(plate.width, plate.height, scene.outlines, path, size_max, angle_max, cracks)
+    # where the lengths are among the vertices of the path
+    last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + a[:, None] * along)[1]
     released, stress = [], []
     opening = np.ones(n_lengths)
     for level in range(LEVELS):

@@ -87,7 +87,7 @@ class GivenField:
         return shapely.STRtree(np.concatenate([shapely.polygons(corners) for corners in self._corners]))
 
 
-def given_field(displacements: Any, scene: Scene, where: Positions) -> GivenField:
+def given_field(displacements: Any, scene: Scene, where: Positions, field: str | None = None) -> GivenField:
     """The user's displacements as a local field, once they have proved to be of the scene's plate.
 
     Parameters
@@ -99,6 +99,8 @@ def given_field(displacements: Any, scene: Scene, where: Positions) -> GivenFiel
         Plate and notches.
     where : Positions
         Where failure indices are wanted.
+    field : str, optional
+        Which nodal data of the file are the displacements, see `slmm.fem.results.read_displacements`.
 
     Raises
     ------
@@ -123,26 +125,29 @@ def given_field(displacements: Any, scene: Scene, where: Positions) -> GivenFiel
     ...     "material": {"name": "PMMA"},
     ...     "load": {"strain": [0.0, 0.01, 0.0]},
     ... })
-    >>> field = given_field("tests/data/plate_2d.frd", scene, find_positions(scene))
-    >>> field.resolution(np.array([[12.0, 10.0]])).round(2)  # elements of eight nodes, up to 0.47 mm long
+    >>> given = given_field("tests/data/plate_2d.frd", scene, find_positions(scene))
+    >>> given.resolution(np.array([[12.0, 10.0]])).round(2)  # elements of eight nodes, up to 0.47 mm long
     array([0.12])
     """
-    field, source = displacement_field(displacements)
-    given = GivenField(field, rasterised(scene), source)
+    model, source = displacement_field(displacements, field)
+    given = GivenField(model, rasterised(scene), source)
     body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
     try:
-        _check_box(field, body, scene)
-        _check_area(field, body, scene)
+        _check_box(model, body, scene)
+        _check_area(model, body, scene)
         _check_positions(given, body, scene, where)
     except ValueError as error:
         raise ValueError(f"displacements of {source}: {error}") from None
     return given
 
 
-def displacement_field(displacements: Any) -> tuple[DisplacementField, str]:
+def displacement_field(displacements: Any, field: str | None = None) -> tuple[DisplacementField, str]:
     """The field that a user gives in one of the forms of `given_field`, and where it comes from."""
     if isinstance(displacements, str | os.PathLike):
-        return read_displacements(os.fspath(displacements)), os.path.basename(displacements)
+        path = os.fspath(displacements)
+        return read_displacements(path, field=field), os.path.basename(path)
+    if field is not None:
+        raise ValueError(f"field = {field!r}: belongs to displacements from a file")
     if isinstance(displacements, tuple | list) and len(displacements) == 3:
         points, cells, u = displacements
         if not isinstance(cells, Mapping):

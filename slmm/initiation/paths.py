@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,10 @@ IN_IRWIN_LENGTHS = 0.7
 LONGER = 4.0
 #: and as a share of the ligament
 IN_LIGAMENT = 0.8
+#: length of the first rays that look for the next surface, over width and height of the plate
+FIRST_RAYS = 1 / 64
+#: segments of an outline that are looked at together
+PIECE = 50
 
 
 class Paths(NamedTuple):
@@ -59,16 +64,42 @@ def trial_paths(scene: Scene, where: Positions) -> Paths:
 def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """Distances (n,) from surface points (n, 2) along directions (n, 2) to the next surface or crack, mm."""
     plate = shapely.box(0, 0, scene.plate.width, scene.plate.height)
-    holes = shapely.union_all([shapely.Polygon(outline.polygon(2000)) for outline in scene.outlines])
-    body = plate.difference(holes)
-    cracks = shapely.MultiLineString([list(crack.points) for crack in scene.cracks])
+    rings = [outline.polygon(2000) for outline in scene.outlines]
     reach = scene.plate.width + scene.plate.height
-    start = points + 1e-4 * reach * direction
-    rays = shapely.linestrings(np.stack([start, points + reach * direction], axis=1))
-    result = np.empty(len(points))
-    for i, inside in enumerate(shapely.difference(shapely.intersection(rays, body), cracks)):
-        pieces = list(getattr(inside, "geoms", [inside]))
-        origin = shapely.Point(start[i])
-        first = min(pieces, key=lambda piece: piece.distance(origin))
-        result[i] = first.length + 1e-4 * reach if first.distance(origin) < 1e-6 * reach else 1e-4 * reach
+    step = 1e-4 * reach
+    start = points + step * direction
+    result = np.full(len(points), step)
+    left = np.flatnonzero(_in_the_body(start, plate, rings))
+    surfaces = _pieces([np.array(plate.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)])
+    lines = [*surfaces, *(shapely.LineString(crack.points) for crack in scene.cracks)]
+    tree = shapely.STRtree(lines)
+    # short rays first: most end at a neighbour, and what lies farther away is not looked at
+    length = FIRST_RAYS * reach
+    while len(left) and length <= 2 * reach:  # a ray of that length has left the plate
+        ends = np.stack([start[left], start[left] + length * direction[left]], axis=1)
+        ray, line = tree.query(shapely.linestrings(ends), predicate="intersects")
+        hits = shapely.intersection(shapely.linestrings(ends[ray]), tree.geometries[line])
+        nearest = np.full(len(left), np.inf)
+        np.minimum.at(nearest, ray, shapely.distance(shapely.points(start[left[ray]]), hits))
+        ended = np.isfinite(nearest)
+        result[left[ended]] += nearest[ended]
+        left, length = left[~ended], 2 * length
     return result
+
+
+def _in_the_body(points: np.ndarray, plate: shapely.Polygon, rings: Sequence[np.ndarray]) -> np.ndarray:
+    """Whether points (n, 2) lie in the plate and in none of its holes."""
+    inside = shapely.contains_xy(plate, points)
+    if rings:
+        _, in_hole = shapely.STRtree(shapely.points(points)).query(
+            [shapely.Polygon(ring) for ring in rings], predicate="intersects"
+        )
+        inside[in_hole] = False
+    return inside
+
+
+def _pieces(rings: Sequence[np.ndarray]) -> list[shapely.LineString]:
+    """Closed lines (n, 2) in short pieces, of which a tree finds few near a ray."""
+    return [
+        shapely.LineString(ring[k : k + PIECE + 1]) for ring in rings for k in range(0, len(ring) - 1, PIECE)
+    ]

@@ -87,7 +87,7 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
         s_of.append(s if count < FEW else _with_bends(scene, outline, s))
     tips = _tips(scene)
     hole = np.repeat(np.arange(len(s_of)), [len(s) for s in s_of])
-    return _positions(
+    return positions_on(
         scene,
         np.concatenate([hole, np.full(len(tips), -1)]),
         np.concatenate([*s_of, np.full(len(tips), np.nan)]),
@@ -115,10 +115,10 @@ def _explicit(scene: Scene, wanted: np.ndarray, tolerance: float) -> Positions:
         raise ValueError(
             f"analysis.points[{lost[0]}] = [{x:g}, {y:g}]: the scene has no hole, so it must be a crack tip"
         )
-    return _positions(scene, hole, s, crack)
+    return positions_on(scene, hole, s, crack)
 
 
-def _positions(scene: Scene, hole: np.ndarray, s: np.ndarray, crack: np.ndarray) -> Positions:
+def positions_on(scene: Scene, hole: np.ndarray, s: np.ndarray, crack: np.ndarray) -> Positions:
     """Positions with their coordinates and opening angles."""
     points, corner = np.empty((len(s), 2)), np.full(len(s), np.nan)
     for k, outline in enumerate(scene.outlines):
@@ -139,7 +139,7 @@ def _tips(scene: Scene) -> np.ndarray:
 def _spread(scene: Scene, outline: Outline, count: int) -> np.ndarray:
     """Arc lengths equally spaced over the part of the outline that lies within the plate."""
     s = (np.arange(SAMPLES) + 0.5) * outline.length / SAMPLES
-    inside = _inside(scene, outline.points(s), 0.0)
+    inside = is_within(scene, outline.points(s))
     if inside.all():
         return np.arange(count) * outline.length / count
     within = s[inside]
@@ -148,7 +148,7 @@ def _spread(scene: Scene, outline: Outline, count: int) -> np.ndarray:
 
 def _with_corners(scene: Scene, outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray:
     """The arc lengths with those of the corners inside the plate that open towards the hole, ascending."""
-    wanted = (outline.corner_angles < np.pi) & _inside(scene, outline.points(outline.corners), tolerance)
+    wanted = (outline.corner_angles < np.pi) & is_within(scene, outline.points(outline.corners), tolerance)
     s = _to_corners(outline, s, tolerance)
     return np.sort(np.concatenate([s, np.setdiff1d(outline.corners[wanted], s)]))
 
@@ -156,21 +156,26 @@ def _with_corners(scene: Scene, outline: Outline, s: np.ndarray, tolerance: floa
 def _with_bends(scene: Scene, outline: Outline, s: np.ndarray) -> np.ndarray:
     """The arc lengths with the middles of bends that lie between two of them."""
     ends = np.append(s, s[0] + outline.length)
-    t = np.linspace(0.0, 1.0, 65)
     bends = []
     for start, end in pairwise(ends):
-        at = start + t * (end - start)
         corners = np.concatenate([outline.corners, outline.corners + outline.length])
-        if np.any((corners >= start) & (corners <= end)) or not _inside(scene, outline.points(at), 0.0).all():
+        at, turned = turn_along(outline, start, end)
+        if np.any((corners >= start) & (corners <= end)) or not is_within(scene, outline.points(at)).all():
             continue
-        x, y = outline.tangents(at).T
-        # around a hole that bulges the tangent turns to the left
-        turned = np.concatenate(
-            [[0.0], np.cumsum(np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:]))]
-        )
         if turned[-1] > TURN:
             bends.append(float(np.interp(0.5 * turned[-1], turned, at)) % outline.length)
     return np.sort(np.concatenate([s, bends]))
+
+
+def turn_along(outline: Outline, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Arc lengths (k,) from one to another, mm, and the angle (k,) by which the outline has turned on the way, rad.
+
+    Turns to the left and to the right add up: the angle ascends.
+    """
+    at = np.linspace(start, end, 65)
+    x, y = outline.tangents(at % outline.length).T
+    steps = np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:])
+    return at, np.concatenate([[0.0], np.cumsum(np.abs(steps))])
 
 
 def _to_corners(outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray:
@@ -179,7 +184,7 @@ def _to_corners(outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray
     return np.where(index >= 0, np.append(outline.corners, np.nan)[index], s)
 
 
-def _inside(scene: Scene, points: np.ndarray, margin: float) -> np.ndarray:
+def is_within(scene: Scene, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
     """Whether points (n, 2) lie within the plate, farther than a margin (mm) from its edges."""
     (x, y), width, height = points.T, scene.plate.width, scene.plate.height
     return (x > margin) & (x < width - margin) & (y > margin) & (y < height - margin)

@@ -14,7 +14,7 @@ the edge by which the plate is pulled) nothing was measured, and no correction i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -30,6 +30,9 @@ FACTORS = {
     "free": (-1.0, 0.0),
     "loaded": (0.0, -5.5),  # a given traction: the crack lets the part beyond it turn away
 }
+
+#: the way to the edge begins beside the notch, and ends for most positions of many at a neighbour
+STRETCHES = (0.02, 0.1, 0.3, 1.0)
 
 #: rho beyond which edges and other notches are too near for the estimate
 LIMIT = 0.7
@@ -59,7 +62,7 @@ def edge_support(
     for direction, beside in ((normal, 0), (tangent, 1), (-tangent, 1)):
         distance, horizontal = _to_edge(start, direction, scene.plate.width, scene.plate.height)
         # other notches on the way, or this one, keep the edge's answer away
-        seen = ~_blocked(scene.outlines, start, direction, distance)
+        seen = ~_blocked(scene.notches, start, direction, distance)
         k = np.where(
             horizontal, FACTORS[_edge(scene.load, True)][beside], FACTORS[_edge(scene.load, False)][beside]
         )
@@ -87,18 +90,16 @@ def _to_edge(
 
 
 def _blocked(
-    outlines: Sequence[Outline], start: np.ndarray, direction: np.ndarray, distance: np.ndarray
+    notches: shapely.STRtree, start: np.ndarray, direction: np.ndarray, distance: np.ndarray
 ) -> np.ndarray:
     """Whether a notch lies between the points and the edge."""
-    ends = np.stack(
-        [start + 0.02 * distance[:, None] * direction, start + distance[:, None] * direction], axis=1
-    )
-    rays = shapely.linestrings(ends)
     blocked = np.zeros(len(start), dtype=bool)
-    for outline in outlines:
-        polygon = shapely.Polygon(outline.polygon(400))
-        shapely.prepare(polygon)
-        blocked |= shapely.intersects(polygon, rays)
+    step = distance[:, None] * direction
+    for near, far in pairwise(STRETCHES):
+        left = np.flatnonzero(~blocked)
+        rays = shapely.linestrings(np.stack([start + near * step, start + far * step], axis=1)[left])
+        ray, notch = notches.query(rays)
+        blocked[left[ray[shapely.intersects(notches.geometries[notch], rays[ray])]]] = True
     return blocked
 
 

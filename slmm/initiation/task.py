@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from slmm.initiation.criterion import NONE
 from slmm.initiation.curves import PathCurves, criticals
-from slmm.initiation.paths import Paths
+from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
 from slmm.scene import Scene
@@ -39,6 +39,8 @@ class Task:
     displacements : object with ``displacement(points)``, optional
         The user's own model of the uncracked part, in place of ours.
     progress : callable
+    solved : dict
+        Local models that have been solved on the way, by their kind.
     """
 
     scene: Scene
@@ -50,6 +52,7 @@ class Task:
     database: Path
     displacements: Any
     progress: Progress
+    solved: dict[str, Any] = field(default_factory=dict)
 
     @property
     def n(self) -> int:
@@ -65,11 +68,15 @@ class Task:
         """The same for some of the positions."""
         where = Positions(*(values[rows] for values in self.where))
         paths = Paths(*(values[rows] for values in self.paths))
-        return Task(**{**self.__dict__, "where": where, "paths": paths})
+        return replace(self, where=where, paths=paths)
 
     def with_paths(self, paths: Paths) -> Task:
         """The same with other paths."""
-        return Task(**{**self.__dict__, "paths": paths})
+        return replace(self, paths=paths)
+
+    def at(self, where: Positions) -> Task:
+        """The same at other positions."""
+        return replace(self, where=where, paths=trial_paths(self.scene, where))
 
 
 @dataclass
@@ -89,6 +96,8 @@ class Answer:
         What only some methods have.
     provenance : dict
         Attributes of the result.
+    cost : dict of str to (int, float)
+        By method: at how many positions it was asked, and how long that took, s.
     """
 
     load_factor: np.ndarray
@@ -101,6 +110,7 @@ class Answer:
     curves: PathCurves
     columns: dict[str, np.ndarray] = field(default_factory=dict)
     provenance: dict[str, object] = field(default_factory=dict)
+    cost: dict[str, tuple[int, float]] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, n: int, method: str) -> Answer:
@@ -156,6 +166,25 @@ class Answer:
     def column(self, name: str) -> np.ndarray:
         """A column by its name, made when it is not there yet."""
         return self.columns.setdefault(name, np.full(len(self.status), np.nan))
+
+    def spend(self, cost: dict[str, tuple[int, float]]) -> None:
+        """Add what methods have cost."""
+        for method, (positions, seconds) in cost.items():
+            before = self.cost.get(method, (0, 0.0))
+            self.cost[method] = (before[0] + positions, before[1] + seconds)
+
+    def with_more(self, other: Answer, order: np.ndarray) -> Answer:
+        """These positions and another answer's, in the order (n,) of their numbers in both together."""
+        n, m = len(self.status), len(other.status)
+        both = Answer.empty(n + m, "none")
+        both.provenance = dict(self.provenance)
+        both.take(np.arange(n), self)
+        both.take(np.arange(n, n + m), other)
+        both.provenance |= self.provenance  # what the first, larger part was made with
+        ordered = both.rows(order)
+        ordered.spend(self.cost)
+        ordered.spend(other.cost)
+        return ordered
 
     def rows(self, rows: np.ndarray) -> Answer:
         """The answer at some of the positions."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import time
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from slmm import __version__
+from slmm.array_file import read_arrays
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.checks import check_whole
 from slmm.optimization.exhaustive import Block, all_designs, check_grid, count_valid, design_of
@@ -73,7 +74,7 @@ def brute_force(
     check_grid(beam)
     total = count_valid(beam)
     state = _State(f"{beam!r}, best {best}, {__version__}")
-    if path is not None and path.exists():
+    if path is not None and os.path.lexists(path):
         if not resume:
             raise ValueError(f"{path}: is there already; resume it, or remove it")
         state = _State.read(path, state.run)
@@ -85,6 +86,10 @@ def brute_force(
         if path is not None and time.monotonic() - written > INTERVAL:
             state.write(path)
             written = time.monotonic()
+    if state.designs != total:
+        raise ValueError(
+            f"{path}: is damaged: with it there are {state.designs:,} valid designs, not {total:,}"
+        )
     state.keep(best)
     (value,), (code,) = state.values, state.codes
     order = np.lexsort([code, value])
@@ -210,14 +215,18 @@ class _State:
         ValueError
             When it is of another one, or no journal.
         """
-        try:
-            with np.load(path) as known:
-                state = cls(str(known["run"]))
-                state.blocks, state.designs = int(known["blocks"]), int(known["designs"])
-                state.limit = float(known["limit"])
-                state.values, state.codes = [known["values"]], [known["codes"]]
-        except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-            raise ValueError(f"{path}: is no journal of brute-force ({error})") from error
-        if state.run != run:
-            raise ValueError(f"{path}: is the journal of {state.run}; this is {run}")
+        known = read_arrays(
+            path, ("run", "blocks", "designs", "limit", "values", "codes"), "journal of brute-force"
+        )
+        if known["run"].dtype.kind != "U" or known["run"].shape != () or known["run"].item() != run:
+            raise ValueError(f"{path}: is the journal of another run; this is {run}")
+        state = cls(run)
+        wanted = {"blocks": (int, ()), "designs": (int, ()), "limit": (float, ())}
+        n = known["values"].shape[:1]
+        for name, (kind, shape) in (wanted | {"values": (float, n), "codes": (np.int64, n)}).items():
+            if known[name].dtype != kind or known[name].shape != shape or np.isnan(known[name]).any():
+                raise ValueError(f"{path}: is no journal of brute-force ({name}: not what it writes)")
+        state.blocks, state.designs = int(known["blocks"]), int(known["designs"])
+        state.limit = float(known["limit"])
+        state.values, state.codes = [known["values"]], [known["codes"]]
         return state

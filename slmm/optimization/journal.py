@@ -4,15 +4,19 @@ A search that is resumed runs again from its beginning with these values as its 
 ended undisturbed. What a quick model of neighbours has judged is not in it, and is judged again.
 
 The file has the tables ``run`` (what the run is, as JSON), ``session`` (each time it was started or resumed) and
-``evaluation``: a design, by `slmm.optimization.evaluation.keys`, its value, NULL where the evaluation failed, and the
-session. While it is open it is locked. After a kill a second file, ``-wal``, belongs to it, until it is opened again.
+``evaluation``: a design, by `slmm.optimization.evaluation.keys`, its value, NULL where the evaluation failed, the
+session, and a checksum of design and value, without which a changed value would pass for a computed one. While it is
+open it is locked. After a kill a second file, ``-wal``, belongs to it, until it is opened again.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
+import struct
 import time
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -20,23 +24,29 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from slmm.input_file import check_input, shown
+from slmm.whole_file import NotWrittenError
+
 #: values wait this long to be written, s
 PATIENCE = 0.1
 #: "slmm", by which SQLite tells an application's files
 APPLICATION = int.from_bytes(b"slmm", "big")
 
-SCHEMA = (
-    f"PRAGMA application_id = {APPLICATION}",
+TABLES = (
     "CREATE TABLE run (what TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE session (id INTEGER PRIMARY KEY, started TEXT NOT NULL)",
-    "CREATE TABLE evaluation (design BLOB PRIMARY KEY, value REAL, session INTEGER NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE evaluation (design BLOB PRIMARY KEY, value REAL, session INTEGER NOT NULL, "
+    "checksum INTEGER NOT NULL) WITHOUT ROWID",
 )
+#: what SQLite says of a disk, and not of a file
+OF_THE_DISK = (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY)
 
 
 @dataclass
 class Journal:
     """An open journal."""
 
+    path: Path
     connection: sqlite3.Connection
     session: int
     waiting: dict[bytes, float] = field(default_factory=dict)
@@ -44,8 +54,17 @@ class Journal:
 
     def known(self) -> dict[bytes, float]:
         """All values by the designs' keys; NaN where the evaluation failed."""
-        rows = self.connection.execute("SELECT design, value FROM evaluation")
-        return {design: float("nan") if value is None else value for design, value in rows}
+        found = {}
+        with _naming(self.path):
+            for design, value, checksum in self.connection.execute(
+                "SELECT design, value, checksum FROM evaluation"
+            ):
+                if not isinstance(design, bytes) or not isinstance(value, float | None):
+                    raise ValueError("is damaged: a value that is none")
+                if checksum != _checksum(design, value):
+                    raise ValueError("is damaged: a value has changed since it was written")
+                found[design] = float("nan") if value is None else value
+        return found
 
     def add(self, found: Mapping[bytes, float]) -> None:
         """Write values, many at a time."""
@@ -55,9 +74,10 @@ class Journal:
 
     def write(self) -> None:
         """Write what waits."""
-        rows = [(design, value, self.session) for design, value in self.waiting.items()]
-        with _transaction(self.connection):
-            self.connection.executemany("INSERT OR REPLACE INTO evaluation VALUES (?, ?, ?)", rows)
+        values = {design: None if value != value else float(value) for design, value in self.waiting.items()}
+        rows = [(key, value, self.session, _checksum(key, value)) for key, value in values.items()]
+        with _naming(self.path), _transaction(self.connection):
+            self.connection.executemany("INSERT OR REPLACE INTO evaluation VALUES (?, ?, ?, ?)", rows)
         self.waiting.clear()
         self.written = time.monotonic()
 
@@ -77,26 +97,56 @@ def open_journal(path: str | Path, run: Mapping[str, Any], resume: bool = False)
     Raises
     ------
     ValueError
-        For a file that is there and shall not be resumed, is no journal or that of another run, or is in use.
+        For a file that is there and shall not be resumed, is damaged, no journal or that of another run, or is in use.
+    NotWrittenError
+        When the disk is full, or cannot be written to.
     """
     path = Path(path)
-    if path.exists() and not resume:
-        raise ValueError(f"journal {path}: is there already; resume it, or name another file")
-    try:
+    new = not os.path.lexists(path)
+    if not new:
+        if not resume:
+            raise ValueError(f"journal {shown(path)}: is there already; resume it, or name another file")
+        with _naming(path):
+            check_input(path)
+    with _naming(path):
         connection = sqlite3.connect(path, timeout=1.0, isolation_level=None)
-    except sqlite3.Error as error:
-        raise ValueError(f"journal {path}: {error}") from error
     with closing(connection):
         try:
-            _begin(connection, run)
-            session = _new_session(connection)
-        except (ValueError, sqlite3.Error) as error:
-            raise ValueError(f"journal {path}: {error}") from error
-        journal = Journal(connection, session)
+            with _naming(path):
+                _begin(connection, run)
+                session = _new_session(connection)
+        except NotWrittenError:
+            if new:  # without tables it would be in the way of the next run
+                connection.close()
+                path.unlink(missing_ok=True)
+            raise
+        journal = Journal(path, connection, session)
         try:
             yield journal
-        finally:
+        except NotWrittenError:
+            raise  # writing what still waits would fail again
+        except BaseException:
             journal.write()
+            raise
+        journal.write()
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Errors of SQLite and of what a file holds, with the file's name."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        # a code has its details above the lowest eight bits; errors of the module itself have none
+        if getattr(error, "sqlite_errorcode", 0) & 0xFF in OF_THE_DISK:
+            raise NotWrittenError(f"journal {shown(path)}: cannot be written: {error}") from error
+        raise ValueError(f"journal {shown(path)}: cannot be read: {error}") from error
+    except (ValueError, FileNotFoundError, RecursionError) as error:
+        raise ValueError(f"journal {shown(path)}: {error}") from error
+
+
+def _checksum(design: bytes, value: float | None) -> int:
+    return zlib.crc32(design + (b"" if value is None else struct.pack("<d", value)))
 
 
 def _begin(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
@@ -110,7 +160,8 @@ def _begin(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
     connection.execute("PRAGMA synchronous = NORMAL")
     if new:
         with _transaction(connection):
-            for statement in SCHEMA:
+            connection.execute(f"PRAGMA application_id = {APPLICATION}")
+            for statement in TABLES:
                 connection.execute(statement)
             items = [(what, json.dumps(value)) for what, value in run.items()]
             connection.executemany("INSERT INTO run VALUES (?, ?)", items)
@@ -120,6 +171,11 @@ def _check(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
     """Refuse a file that is not this run's."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError("is a database, but no journal of a search")
+    if [sql for (sql,) in connection.execute("SELECT sql FROM sqlite_master ORDER BY rowid")] != [*TABLES]:
+        raise ValueError("has other tables than the journals of this version")
+    (sound,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
+    if sound != "ok":
+        raise ValueError(f"is damaged: {' '.join(sound.split())}")
     rows = connection.execute("SELECT what, value FROM run")
     its = {what: json.loads(value) for what, value in rows}
     this = json.loads(json.dumps(run))

@@ -14,11 +14,11 @@ from slmm.fem.boundary import (
     boundary_pieces,
     boundary_segments,
     crack_nodes,
-    halved,
+    path_nodes,
     plate_body,
     spaced,
 )
-from slmm.fem.element_size import ElementSize, follow_outline
+from slmm.fem.element_size import ElementSize, along_path, follow_outline
 
 WIDTH, HEIGHT = 100.0, 80.0
 
@@ -145,13 +145,20 @@ def test_nodes_are_as_far_apart_as_the_sizes_there(prescribed, places):
     assert len(step) <= 1.05 * needed + 2
 
 
-def test_halving_puts_a_node_into_the_middle_of_what_is_marked():
-    parameters = [np.array([0.0, 1.0, 3.0]), np.array([5.0, 4.0])]
-    origin = [(0, 0), (0, 1), (1, 0)]
-    first, second = halved(parameters, origin, np.array([False, True, True]))
-    assert first.tolist() == [0.0, 1.0, 2.0, 3.0] and second.tolist() == [5.0, 4.5, 4.0]
-    for before, after in zip(parameters, halved(parameters, origin, np.zeros(3, bool)), strict=True):
-        assert np.array_equal(before, after)
+def test_a_path_keeps_its_nodes_and_gets_more_where_its_surroundings_are_finer():
+    path = np.column_stack(
+        [50 + np.concatenate([np.linspace(0, 1, 5)[:-1], 1.2 ** np.arange(12)]), np.full(16, 40)]
+    )
+    size = ElementSize(10.0)
+    size.prescribe(path, along_path(path))
+    assert np.array_equal(path_nodes(path, size), path)
+    size.prescribe(path[:1], np.array([0.01]))
+    nodes = path_nodes(path, size)
+    assert np.isin(path[:, 0], nodes[:, 0]).all() and np.all(nodes[:, 1] == 40)
+    step = np.diff(nodes[:, 0])
+    assert step[0] < 0.015
+    # the mesher follows no sudden change
+    assert np.max(step[1:] / step[:-1]) < 1.5 and np.max(step[:-1] / step[1:]) < 1.5
 
 
 def test_notches_that_leave_no_single_body_are_refused():

@@ -5,10 +5,20 @@ import pytest
 
 from slmm.fem.elements import ALIASES, ELEMENTS, element_named
 
-VOLUME = {"CPE3": 0.5, "CPE6": 0.5, "C3D4": 1 / 6, "C3D10": 1 / 6, "C3D6": 0.5, "C3D15": 0.5}
+VOLUME = {"CPE3": 0.5, "CPE6": 0.5, "C3D4": 1 / 6, "C3D10": 1 / 6, "C3D6": 0.5, "C3D15": 0.5, "WEDGE18": 0.5}
 #: highest total degree that the rule integrates exactly
 DEGREE = {"CPE3": 1, "CPE4R": 1, "C3D4": 1, "C3D8R": 1, "C3D6": 1, "CPE6": 2, "C3D10": 2, "C3D15": 2}
-DEGREE |= {"CPE4": 3, "CPE8R": 3, "C3D8": 3, "C3D20R": 3, "CPE8": 5, "C3D20": 5}
+DEGREE |= {
+    "CPE4": 3,
+    "CPE8R": 3,
+    "C3D8": 3,
+    "C3D20R": 3,
+    "CPE8": 5,
+    "C3D20": 5,
+    "QUAD9": 5,
+    "HEX27": 5,
+    "WEDGE18": 2,
+}
 
 
 @pytest.mark.parametrize("name", ELEMENTS)
@@ -38,8 +48,8 @@ def test_gradients_are_those_of_the_shape_functions(name):
 def test_rules_integrate_what_they_should(name):
     element = ELEMENTS[name]
     assert element.weights.sum() == pytest.approx(VOLUME.get(name, 2.0**element.dimension))
-    finer = {"CPE": "CPE8", "C3D": "C3D20"}[name[:3]]
-    on_brick = name in ("CPE4", "CPE4R", "CPE8", "CPE8R", "C3D8", "C3D8R", "C3D20", "C3D20R")
+    finer = {2: "CPE8", 3: "C3D20"}[element.dimension]
+    on_brick = VOLUME.get(name) is None
     if on_brick:
         for powers in np.ndindex(*(DEGREE[name] + 1,) * element.dimension):
             if sum(powers) <= DEGREE[name]:
@@ -52,7 +62,7 @@ def test_rules_integrate_what_they_should(name):
         linear = element.weights @ element.points / element.weights.sum()
         centre = {"C3D4": 0.25, "C3D10": 0.25}.get(name, 1 / 3)
         expected = [centre] * element.dimension
-        if name in ("C3D6", "C3D15"):
+        if name in ("C3D6", "C3D15", "WEDGE18"):
             expected[2] = 0.5
         np.testing.assert_allclose(linear, expected)
         if DEGREE[name] >= 2:
@@ -85,3 +95,31 @@ def test_edges_of_plane_elements_run_around_them_with_their_midside_nodes():
             np.testing.assert_allclose(edges[:, 2], edges[:, :2].mean(axis=1))
         x, y = edges[:, 0].T
         assert np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) > 0  # anticlockwise
+
+
+@pytest.mark.parametrize(
+    ("name", "inside"),
+    [("QUAD9", [(0.3, -0.7)]), ("HEX27", [(0.3, -0.7, 0.2)]), ("WEDGE18", [(0.3, 0.2, 0.7)])],
+)
+def test_lagrange_elements_carry_what_is_quadratic_in_each_coordinate(name, inside):
+    element = ELEMENTS[name]
+    at = np.array(inside)
+
+    def field(x):
+        triangle = x[:, 0] ** 2 - x[:, 0] * x[:, 1] + 2 * x[:, 1] ** 2
+        square = triangle + 3 * (x[:, 0] * x[:, 1]) ** 2
+        along = 1 + x[:, 2] ** 2 if element.dimension == 3 else 1
+        return along * (triangle if name == "WEDGE18" else square)
+
+    assert element.shape(at) @ field(element.nodes) == pytest.approx(field(at))
+
+
+@pytest.mark.parametrize("name", [name for name in ELEMENTS if ELEMENTS[name].dimension == 2])
+def test_edges_run_anticlockwise_with_their_middles(name):
+    element = ELEMENTS[name]
+    ends = element.nodes[element.edges]
+    assert len(ends) == element.corners == (3 if name in ("CPE3", "CPE6") else 4)
+    if ends.shape[1] == 3:
+        np.testing.assert_allclose(ends[:, 2], (ends[:, 0] + ends[:, 1]) / 2)
+    x, y = ends[:, 0].T
+    assert np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) > 0

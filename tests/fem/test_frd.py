@@ -117,7 +117,9 @@ def test_a_number_that_is_cut_off_is_not_taken_for_another_one(changed):
         long = with_long_exponents(text)
         path = changed((with_long_exponents(line), with_long_exponents(line)[:-cut]), text=long)
         # what is left may be as wide as three numbers with short exponents
-        with pytest.raises(ValueError, match=r"line \d+: (\d+ columns, not 36, for 3|.* in place of a) number"):
+        with pytest.raises(
+            ValueError, match=r"line \d+: (\d+ columns, not 36, for 3|.* in place of a) number"
+        ):
             read_displacements(path)
 
 

@@ -299,7 +299,8 @@ def test_files_that_are_not_there_are_named(tmp_path):
 
 # what meshio reads
 
-KINDS = sorted(set(NAMED) - {"wedge15"})
+#: meshio 5.3 writes no wedges of 15 and 18 nodes
+KINDS = sorted(set(NAMED) - {"wedge15", "wedge18"})
 
 
 def one_element(kind):
@@ -552,7 +553,7 @@ CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
             {"u": np.zeros((5, 3))},
             {},
             STEEL,
-            "elements of type pyramid: known are triangle",
+            r"cell 0 is a pyramid \(VTK's type 14\) of 5 nodes: known are hexahedron",
         ),
         (SQUARE, QUAD, {"u": SQUARE}, {"region": [np.array([np.nan])]}, STEEL, "region is not finite"),
         (SQUARE, QUAD, {"u": SQUARE}, {"region": [np.ones((1, 3))]}, STEEL, r"region has the shape \(1, 3\)"),

@@ -114,8 +114,11 @@ def test_the_first_triangle_of_a_linear_wedge_faces_outwards_as_vtk_has_it(tmp_p
     assert np.cross(b - a, c - a) @ (opposite - a) < 0
 
 
-def test_wedges_that_meshio_does_not_take_are_named_when_read(tmp_path):
-    results = one_element("C3D15")
-    write_vtu(tmp_path / "wedge.vtu", results, 0 * results.points)
-    with pytest.raises(ValueError, match=r"wedge\.vtu: cannot be read: it has wedges of 15 nodes \(C3D15\)"):
-        read_element_results(tmp_path / "wedge.vtu")
+@pytest.mark.parametrize("name", ["CPE8", "QUAD9", "C3D15", "WEDGE18", "C3D20", "HEX27"])
+def test_what_is_written_is_read(name, tmp_path):
+    results = one_element(name)
+    write_vtu(tmp_path / "one.vtu", results, forces_of(results))
+    again = read_element_results(tmp_path / "one.vtu", elasticity=Elasticity(210e3, 0.3))
+    assert np.array_equal(again.points, results.points) and np.array_equal(again.u, results.u)
+    assert np.array_equal(again.cells[name], results.cells[name])
+    assert again.stress[name] == pytest.approx(results.stress[name])

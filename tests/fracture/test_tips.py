@@ -1,8 +1,10 @@
-"""Crack tips are found where two faces that lie on each other end inside the material."""
+"""Crack tips are found where the boundary turns back between two faces that lie on each other, or nearly so."""
 
 import numpy as np
 import pytest
+from cracked_square import loaded, square, tension
 
+from slmm.fracture.loading import crack_tip_loading
 from slmm.fracture.tips import find_crack_tips
 
 
@@ -121,3 +123,100 @@ def test_collapsed_elements_share_one_tip():
 def test_solids_have_no_tips():
     with pytest.raises(ValueError, match="C3D8 is no plane element"):
         find_crack_tips(np.zeros((8, 3)), {"C3D8": np.arange(8)[None]})
+
+
+def one_tip(results, **options):
+    loading = crack_tip_loading(results, **options)
+    assert loading.sizes["tip"] == 1
+    assert loading.status.values.tolist() == ["ok"]
+    return loading.isel(tip=0)
+
+
+@pytest.fixture(scope="module")
+def slit():
+    return {kind: one_tip(loaded(*square(kind), tension())) for kind in ("CPE4", "CPE6", "CPE8")}
+
+
+@pytest.mark.parametrize("one_sided", [False, True])
+@pytest.mark.parametrize("gap", [1e-3, 0.02, 0.05, 0.1, 0.15])
+@pytest.mark.parametrize("kind", ["CPE4", "CPE6", "CPE8"])
+def test_faces_that_stand_apart_and_end_in_a_node_are_a_crack(kind, gap, one_sided, slit):
+    """A gap of up to 1/130 of the crack's length, which the edges next to the tip close."""
+    edge = 2.0
+    points, cells = square(kind, gap=lambda d: gap * np.minimum(d / edge, 1.0), one_sided=one_sided)
+    tip = one_tip(loaded(points, cells, tension()))
+    assert float(tip.K_I) == pytest.approx(float(slit[kind].K_I), rel=2e-3)
+    assert float(tip.G) == pytest.approx(float(slit[kind].G), rel=3e-3)
+    assert float(tip.x) == pytest.approx(20.0)
+    assert abs(float(tip.angle)) < 0.2
+
+
+@pytest.mark.parametrize("gap", [1e-3, 0.1, 0.5])
+def test_a_crack_in_a_deformed_mesh_is_a_narrow_wedge(gap, slit):
+    tip = one_tip(loaded(*square(gap=lambda d: gap * d / 20), tension()))
+    assert float(tip.K_I) == pytest.approx(float(slit["CPE8"].K_I), rel=1e-3)
+
+
+@pytest.mark.parametrize("gap", [1e-3, 0.02, 0.1])
+def test_a_narrow_blunt_end_is_a_tip(gap, slit):
+    """The elements between the faces are taken out of a mesh with a thin row of them."""
+    tip = one_tip(loaded(*uncut(gap), tension()))
+    assert [float(tip.x), float(tip.y)] == pytest.approx([20.0, 20.0], abs=1e-9)
+    assert float(tip.angle) == pytest.approx(0.0, abs=1e-9)
+    assert float(tip.K_I) == pytest.approx(float(slit["CPE8"].K_I), rel=1e-2)
+    assert float(tip.G) == pytest.approx(float(slit["CPE8"].G), rel=1e-2)
+
+
+def uncut(gap, n=20):
+    """Elements of 2 mm and between them a row as high as the gap, without those of it behind x = 20 mm."""
+    below = np.linspace(0.0, 20.0 - gap / 2, n + 1)
+    y = np.concatenate([below, [20.0], 40.0 - below[::-1]])
+    x, y = np.meshgrid(np.linspace(0.0, 40.0, 2 * n + 1), y)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    number = np.arange(x.size).reshape(x.shape)
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(0, 2 * n + 2, 2), np.arange(0, 2 * n, 2), indexing="ij"))
+    place = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)]
+    nodes = np.stack([number[i + a, j + b] for a, b in place], axis=1)
+    void = (i == n) & (j < n)
+    used, nodes = np.unique(nodes[~void], return_inverse=True)
+    return points[used], {"CPE8": nodes.reshape(-1, 8)}
+
+
+@pytest.mark.parametrize("degrees", [3, 10, 30])
+def test_the_tip_of_a_narrow_notch_may_be_given(degrees, slit):
+    slope = 2 * np.tan(np.radians(degrees / 2))
+    results = loaded(*square(gap=lambda d: slope * d), tension())
+    alone = crack_tip_loading(results)
+    assert alone.sizes["tip"] == 0
+    assert "--tip X,Y" in alone.attrs["remark"]
+    tip = one_tip(results, tips=[(20.2, 19.9)])
+    assert [float(tip.x), float(tip.y), float(tip.angle)] == pytest.approx([20.0, 20.0, 0.0], abs=1e-9)
+    assert float(tip.K_I) == pytest.approx(float(slit["CPE8"].K_I), rel=1e-2)
+    assert float(tip.spread) < 0.02
+
+
+def test_a_wide_notch_a_place_inside_and_a_place_on_a_smooth_side_are_no_tips():
+    points, cells = square(gap=lambda d: 2 * np.tan(np.radians(20)) * d)
+    with pytest.raises(
+        ValueError, match="does not turn back between two straight faces that open by 30 degrees"
+    ):
+        find_crack_tips(points, cells, given=[(20, 20)])
+    with pytest.raises(ValueError, match=r"tip = \(30, 10\) mm: no boundary is there"):
+        find_crack_tips(*square(), given=[(30, 10)])
+    with pytest.raises(ValueError, match="does not turn back"):
+        find_crack_tips(*square(), given=[(40, 10)])
+
+
+def test_a_tip_that_is_given_and_found_is_one_and_its_direction_may_be_given():
+    points, cells = square()
+    (found,) = find_crack_tips(points, cells)
+    (given,) = find_crack_tips(points, cells, given=[(20, 20)])
+    assert given.angle == found.angle
+    (turned,) = find_crack_tips(points, cells, given=[(20, 20, 0.5)])
+    assert turned.angle == pytest.approx(np.radians(0.5))
+
+
+def test_holes_and_slots_are_no_cracks():
+    """A slot of 1/40 of its length has two straight sides and turns back; its end is no tip."""
+    points, cells = uncut(0.5)
+    assert find_crack_tips(points, cells) == []

@@ -1,0 +1,78 @@
+"""An upper bound of the failure index at every position, also where no method has a value.
+
+No crack starts before the strength is reached all along it: the index is at most the stress at the surface, over the
+strength. Where a mean or the stress at a depth counts, it is the largest stress on the path instead. Nothing bounds it
+so at a corner or a crack tip, where the stress is infinite, nor by criteria that know no such strength.
+"""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+import numpy as np
+
+from slmm.initiation.task import Answer, Task
+
+#: elements between a position and a corner or crack tip, at least, for its stress to be the surface's own
+AWAY_FROM_TIPS = 2
+#: depths of a path as shares of its ligament, where the largest stress is looked for; the far side has one of its own
+DEPTHS = np.linspace(0.0, 0.99, 100) ** 2
+#: methods that have no strength, or another one than the largest principal stress
+NO_STRENGTH = ("griffith", "mises")
+#: methods for which the largest stress on the path counts in place of the surface's
+ON_PATH = ("point", "line")
+
+
+def upper_bounds(task: Task, answer: Answer, method: str) -> np.ndarray:
+    """Upper bounds (n,) of the failure index: value and error, or strength; infinite where nothing is known.
+
+    A body-fitted model is solved only where positions without a value leave it open whether a crack starts.
+
+    Parameters
+    ----------
+    task : Task
+    answer : Answer
+        Of ``method``.
+    method : str
+        Its criterion decides which stress bounds the index.
+    """
+    with np.errstate(divide="ignore"):
+        index = 1 / answer.load_factor
+    missing = answer.status != "ok"
+    bound = np.where(missing, np.inf, index * (1 + np.nan_to_num(answer.error, nan=0.0)))
+    if method in NO_STRENGTH:
+        return bound
+    whole_path = task.average or method in ON_PATH
+    if not whole_path:
+        stress, error = answer.curves.sigma_I[:, 0], answer.curves.sigma_error[:, 0]
+        known = missing & task.smooth & np.isfinite(stress) & np.isfinite(error)
+        bound[known] = np.maximum(stress * (1 + error), 0.0)[known] / task.scene.material.sigma_c
+    largest = float(np.max(index[~missing], initial=0.0))
+    left = np.flatnonzero(missing & task.smooth & (bound > largest))
+    if len(left) and largest < 1 and task.displacements is None and find_spec("netgen") is not None:
+        bound[left] = np.minimum(bound[left], _body_fitted(task.among(left), whole_path))
+    if "outline_error" in answer.columns:  # which is in the error of the values already
+        bound[missing] *= 1 + np.nan_to_num(answer.columns["outline_error"][missing])
+    return bound
+
+
+def _body_fitted(task: Task, whole_path: bool) -> np.ndarray:
+    """Bounds (n,) from the stress of a body-fitted model; infinite where a mesh cannot tell."""
+    from slmm.fem.plate_model import principal_stress  # these import the finite element libraries
+    from slmm.initiation.by_dislocations import body_fitted_model
+    from slmm.initiation.by_stress import distance_to_tips
+
+    task.progress(0.9, f"strength at {task.n} positions without a value")
+    try:
+        model = body_fitted_model(task)
+    except RuntimeError:  # the mesher's; the positions keep no bound, and the summary says so
+        return np.full(task.n, np.inf)
+    paths = task.paths
+    depths = paths.ligament[:, None] * (DEPTHS if whole_path else DEPTHS[:1])
+    points = paths.start[:, None] + depths[..., None] * paths.direction[:, None]
+    sigma, error = model.stress(points.reshape(-1, 2))
+    stress = (principal_stress(sigma) + error).reshape(depths.shape)
+    stress[np.isnan(stress[:, 0])] = np.inf
+    bound = np.maximum(np.nanmax(stress, axis=1), 0.0) / task.scene.material.sigma_c
+    near = distance_to_tips(task.scene, paths.start) < AWAY_FROM_TIPS * model.fine.element_size(paths.start)
+    return np.where(near, np.inf, bound)

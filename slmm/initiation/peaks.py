@@ -1,0 +1,152 @@
+"""Where the largest index may lie between two positions, and which further positions would find it.
+
+The index along an outline has a peak where the stress has one. Between two positions it is as high as a parabola
+through three of them says, once they lie closely enough to see each bend of the outline. What is still hidden must be
+covered by the estimate of the index's error; where it is not, positions are added.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from slmm.contours.outline import Outline
+from slmm.initiation.positions import Positions, is_within, turn_along
+from slmm.scene import Scene
+
+#: an interval along which the outline turns by less, rad, has no peak of its own; chosen: 50 positions on a circle
+#: turn by 0.13 from one to the next
+TURN = 0.25
+#: nor has one shorter than this share of the critical crack, over whose length the criterion looks in any case; chosen
+SHORT = 0.25
+#: share of an index from which on a bend beside it may hide the largest one; chosen: at a fillet the index may fall by
+#: a third within a third of the bend
+HIDDEN = 0.6
+#: share of the estimate that the rise between positions may take, and of the index, whatever the estimate; chosen
+COVERED, LEAST = 0.5, 5e-4
+#: positions that are added at a time, at most; and to one interval
+MOST, MOST_IN_INTERVAL = 32, 6
+
+
+class Peak(NamedTuple):
+    """A position whose index is that of no smaller one than its neighbours'.
+
+    Attributes
+    ----------
+    row : int
+        The position.
+    rise : float
+        By how much the index may rise between it and its neighbours, by a parabola.
+    wanted : ndarray (k,)
+        Arc lengths of positions that would tell, mm; none where the estimate covers the rise.
+    """
+
+    row: int
+    rise: float
+    wanted: np.ndarray
+
+
+def find_peaks(
+    scene: Scene, where: Positions, index: np.ndarray, error: np.ndarray, crack_length: np.ndarray
+) -> list[Peak]:
+    """Peaks along all outlines that matter beside the largest index and are not resolved yet, the highest first.
+
+    Parameters
+    ----------
+    scene : Scene
+    where : Positions
+        n positions, those of each outline in the order of their arc lengths.
+    index, error : ndarray (n,)
+        Failure index, and its estimated error, alike; NaN where there is none.
+    crack_length : ndarray (n,)
+        Critical crack length, mm; NaN where there is none.
+    """
+    index = np.nan_to_num(index, nan=0.0)
+    if not index.max(initial=0.0) > 0:
+        return []
+    allowed = np.maximum(COVERED * np.nan_to_num(error, nan=0.0), LEAST * index)
+    top = int(index.argmax())
+    least = index[top] + allowed[top]
+    found = []
+    for k, outline in enumerate(scene.outlines):
+        rows = np.flatnonzero(where.hole == k)
+        for row, before, after in _maxima(rows, index):
+            s = _unrolled(where.s[[before, row, after]], outline.length)
+            bends = [
+                _missing(scene, outline, start, end, where.corner[[one, other]], SHORT * crack_length[row])
+                for start, end, one, other in ((s[0], s[1], before, row), (s[1], s[2], row, after))
+            ]
+            rise, at = _parabola(s, index[[before, row, after]])
+            wanted = np.concatenate(bends) if index[row] >= HIDDEN * index[top] else np.empty(0)
+            smooth = np.isnan(where.corner[[before, row, after]]).all()
+            if not len(wanted) and smooth and rise > allowed[row] and index[row] + rise > least:
+                wanted = _beside(s, at)
+                wanted = wanted[is_within(scene, outline.points(wanted % outline.length))]
+            if len(wanted):
+                found.append(Peak(row, rise, np.sort(wanted % outline.length)))
+    return sorted(found, key=lambda peak: -index[peak.row])
+
+
+def _maxima(rows: np.ndarray, index: np.ndarray) -> list[tuple[int, int, int]]:
+    """Positions on a closed outline with an index no smaller than both neighbours', and these."""
+    if len(rows) < 3:
+        return []
+    before, after = np.roll(rows, 1), np.roll(rows, -1)
+    highest = (index[rows] > 0) & (index[rows] >= index[before]) & (index[rows] >= index[after])
+    return [(int(rows[i]), int(before[i]), int(after[i])) for i in np.flatnonzero(highest)]
+
+
+def _unrolled(s: np.ndarray, length: float) -> np.ndarray:
+    """Three arc lengths (3,) in ascending order, where the outline's start may lie between them."""
+    before, at, after = s
+    return np.array([before - length if before > at else before, at, after + length if after < at else after])
+
+
+def _missing(
+    scene: Scene, outline: Outline, start: float, end: float, corner: np.ndarray, short: float
+) -> np.ndarray:
+    """Arc lengths that part an interval so that the outline turns by little in each part; none beside a corner."""
+    if np.isfinite(corner).any():
+        return np.empty(0)
+    at, turned = turn_along(outline, start, end)
+    if not is_within(scene, outline.points(at % outline.length)).all() or turned[-1] <= TURN:
+        return np.empty(0)
+    bend = np.interp([0.05 * turned[-1], 0.95 * turned[-1]], turned, at)
+    if bend[1] - bend[0] <= (short if np.isfinite(short) else 0.0):
+        return np.empty(0)
+    parts = min(int(np.ceil(turned[-1] / TURN)), MOST_IN_INTERVAL + 1)
+    # the straight rest of the interval takes a part of its own
+    measure = turned + (turned[-1] / parts) * (at - start) / (end - start)
+    return np.interp(np.arange(1, parts) / parts * measure[-1], measure, at)
+
+
+def _parabola(s: np.ndarray, index: np.ndarray) -> tuple[float, float]:
+    """By how much the parabola through three points rises above the middle one, the highest, and where."""
+    (left, right), (below, beyond) = s[[0, 2]] - s[1], index[[0, 2]] - index[1]
+    curvature = (beyond / right - below / left) / (right - left)
+    slope = below / left - curvature * left
+    if not curvature < 0:
+        return 0.0, float(s[1])
+    return float(-(slope**2) / (4 * curvature)), float(s[1] - slope / (2 * curvature))
+
+
+def _beside(s: np.ndarray, at: float) -> np.ndarray:
+    """The top of the parabola, and the middle of the wider interval, which keeps the next one from being lopsided."""
+    start, end = (s[0], s[1]) if s[1] - s[0] > s[2] - s[1] else (s[1], s[2])
+    middle = 0.5 * (start + end)
+    near = 0.05 * (s[2] - s[0])
+    return np.array([middle]) if min(abs(at - middle), abs(at - s[1])) < near else np.array([at, middle])
+
+
+def positions_at(peaks: list[Peak], where: Positions) -> tuple[np.ndarray, np.ndarray]:
+    """Outline (m,) and arc length (m,), mm, of what the highest peaks want, at most `MOST` of them."""
+    hole: list[int] = []
+    s: list[float] = []
+    for peak in peaks:
+        if s and len(s) + len(peak.wanted) > MOST:
+            break
+        hole += [int(where.hole[peak.row])] * len(peak.wanted)
+        s += peak.wanted.tolist()
+    taken = sorted(set(zip(hole, s, strict=True)))
+    return np.array([k for k, _ in taken], dtype=int), np.array([at for _, at in taken])

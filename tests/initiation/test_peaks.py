@@ -1,0 +1,99 @@
+"""The largest index along an outline is found, wherever the positions lie."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import slmm
+from slmm import gallery
+from slmm.initiation.peaks import find_peaks, positions_at
+from slmm.initiation.positions import find_positions
+
+CASES = "../shared/cases"
+
+
+def on_circle(n: int):
+    scene = gallery.circular_hole()
+    return scene, find_positions(scene, n)
+
+
+@given(st.integers(30, 80), st.floats(0, 2 * np.pi), st.floats(0.5, 4))
+def test_the_parabola_finds_the_rise_of_a_smooth_peak(n, phase, sharpness):
+    scene, where = on_circle(n)
+    angle = where.s / 20.0
+    index = np.exp(-sharpness * (1 - np.cos(angle - phase)))
+    peaks = find_peaks(scene, where, index, 0 * index, np.full(n, 100.0))
+    missed = 1 - index.max()
+    if missed < 7e-4:
+        assert all(peak.rise < 2e-3 for peak in peaks)
+        return
+    (peak, *_) = peaks
+    assert peak.row == index.argmax()
+    assert peak.rise == pytest.approx(missed, rel=0.3, abs=2e-4)
+    nearest = np.abs(np.angle(np.exp(1j * (peak.wanted / 20.0 - phase)))).min()
+    assert nearest < 0.2 * 2 * np.pi / n
+
+
+def test_nothing_is_wanted_where_the_estimate_covers_the_rise():
+    scene, where = on_circle(30)
+    index = 1 - 0.2 * (1 - np.cos(where.s / 20.0 - 0.1))
+    assert find_peaks(scene, where, index, np.full(30, 0.01), np.full(30, 1.0)) == []
+    assert len(find_peaks(scene, where, index, np.full(30, 1e-5), np.full(30, 1.0))) == 1
+    assert find_peaks(scene, where, 0 * index, 0 * index, np.full(30, np.nan)) == []
+
+
+def test_small_peaks_beside_a_large_one_do_not_matter():
+    scene, where = on_circle(40)
+    angle = where.s / 20.0
+    index = np.exp(-20 * (1 - np.cos(angle - 0.05))) + 0.3 * np.exp(-20 * (1 - np.cos(angle - 3.0)))
+    peaks = find_peaks(scene, where, index, 0 * index, np.full(40, 100.0))
+    assert [peak.row for peak in peaks] == [int(index.argmax())]
+
+
+def test_bends_between_positions_are_looked_at_unless_the_crack_is_longer():
+    scene = gallery.circular_hole(
+        holes=[
+            {
+                "shape": "rectangle",
+                "center": [50.0, 50.0],
+                "size": [40.0, 40.0],
+                "corner_radius": 1.0,
+            }
+        ]
+    )
+    where = find_positions(scene, 20)
+    index = np.where(np.abs(scene.outlines[0].curvatures(where.s)) > 0.5, 1.0, 0.2)
+    wanted, s = positions_at(find_peaks(scene, where, index, 0.1 * index, np.full(len(index), 0.1)), where)
+    assert len(s) >= 16 and (wanted == 0).all()
+    assert (np.abs(scene.outlines[0].curvatures(s)) > 0.3).sum() >= 16
+    assert find_peaks(scene, where, index, 9 * index, np.full(len(index), 20.0)) == []
+
+
+@pytest.mark.parametrize("positions", [8, 50])
+def test_the_peak_of_a_fillet_is_found_near_its_tangent_point(positions):
+    scene = slmm.read_scene(f"{CASES}/12-bend-sampling/a.toml")
+    result = slmm.failure_indices(scene, positions=positions)
+    worst = result.isel(position=result.failure_index.argmax("position"))
+    # full FEA in steps of 2.3 degrees along the fillet: 1.1124 at most, 1.097 at (30.07, 69.37)
+    assert float(worst.failure_index) == pytest.approx(1.1126, abs=float(worst.failure_index_error) + 1e-3)
+    assert float(worst.failure_index_error) < 0.01
+
+
+def test_given_points_and_the_published_way_stay_as_they_are():
+    scene = slmm.read_scene(f"{CASES}/12-bend-sampling/a.toml")
+    at = scene.with_(analysis={"points": [[30.07, 69.37]], "method": "slmm+ac"})
+    assert slmm.failure_indices(at).sizes["position"] == 1
+    published = slmm.failure_indices(scene, "slmm+ac", settings="published")
+    assert published.sizes["position"] == len(find_positions(scene).s)
+
+
+def test_positions_stay_in_order_and_tips_behind_them():
+    scene = slmm.read_scene(f"{CASES}/12-bend-sampling/a.toml")
+    result = slmm.failure_indices(scene, "slmm+ac", positions=12)
+    assert result.sizes["position"] > 16
+    assert (np.diff(result.arc_length.values) > 0).all()
+    outline = scene.outlines[0]
+    np.testing.assert_allclose(
+        outline.points(result.arc_length.values), np.column_stack([result.x, result.y]), atol=1e-9
+    )
