@@ -299,3 +299,24 @@ def test_tabu_search_finds_the_best_design_of_all_where_tbfsl_does_not():
     assert all(check.holds for check in checks)
     missed = of(checks, quantity="miss rank 1, beside TBFSL's")[0]
     assert missed.ours < missed.wanted
+
+
+def test_results_of_calculix_are_read_or_refused_for_a_true_reason():
+    suite = script("calculix_suite")
+    checks, found = suite.study(FOLDER.parent / "tests" / "data")
+    assert all(check.holds for check in checks)
+    assert {v.name: v.forces for v in found}["mixed_expanded.frd"] == "read"
+    assert not suite.true_reason("x.frd, line 93: 49 columns, not 61: cut off or damaged")
+    assert not suite.true_reason("x.frd: x.inp has elements of type C3D8, S8R: only plane elements")
+
+
+def test_nodal_forces_balance_the_stresses_of_a_model():
+    suite = script("calculix_suite")
+    results = suite.read_element_results(FOLDER.parent / "tests" / "data" / "bar_3d.frd")
+    forces = suite.nodal_forces(results)
+    x = results.points[:, 0]
+    ends = [forces[np.isclose(x, end)].sum(axis=0) for end in (x.min(), x.max())]
+    assert ends[0] == pytest.approx(-ends[1], rel=2e-5, abs=1e-6)  # six digits of displacements
+    assert (
+        np.abs(forces[~np.isclose(x, x.min()) & ~np.isclose(x, x.max())]).max() < 1e-3 * np.abs(ends[1]).max()
+    )

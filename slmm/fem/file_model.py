@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 
 from slmm.fem.displacement_names import name_and_step
 from slmm.fem.elasticity import Elasticity
-from slmm.fem.elements import element_named
+from slmm.fem.elements import ALIASES, ELEMENTS, element_named
 from slmm.fem.frd import FrdField, FrdResult
-from slmm.fem.inp import InpModel
+from slmm.fem.inp_model import InpModel
 from slmm.fem.results import FACES, THIN, MeshStep, lower_faces
 from slmm.material import State
 
@@ -160,6 +160,8 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
     ValueError
         When elements are unknown, plane and solid, without section, or others than in the input file.
     """
+    if inp.unlike:
+        raise ValueError(f"{inp.path.name}: {inp.unlike[0]}")
     cells = {kind: nodes for kind, nodes in result.cells.items() if not kind.startswith(THIN)}
     if not cells:
         raise ValueError("there are no plane or solid elements")
@@ -180,7 +182,7 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
             f"{', '.join(incompatible)} have incompatible modes, of which displacements do not tell"
         )
     if inp.nlgeom:
-        unsettled.append(f"{inp.path.name} has NLGEOM")
+        unsettled.append(f"{inp.path.name} has NLGEOM, or *MPC, which implies it")
     sections = {inp.sections[k].thickness for own in ids.values() for k in np.unique(inp.section_of(own))}
     thicknesses = {1.0 if thickness is None else thickness for thickness in sections} if plane else {1.0}
     return FileModel(
@@ -225,10 +227,13 @@ def _frd_field(result: FrdResult, displacement: FrdField, name: str, components:
 
 def _plane(names: Sequence[str], inp: InpModel) -> bool:
     """Whether these elements of an input file are plane."""
-    try:
-        dimensions = {element_named(name).dimension for name in names}
-    except ValueError as error:
-        raise ValueError(f"{inp.path.name}: {error}") from error
+    known = {name for name in names if ALIASES.get(name, name) in ELEMENTS}
+    if unknown := [name for name in names if name not in known]:
+        raise ValueError(
+            f"{inp.path.name} has elements of type {', '.join(unknown)}: only plane elements (CPE, CPS) and solids "
+            "(C3D) are read"
+        )
+    dimensions = {element_named(name).dimension for name in names}
     if len(dimensions) > 1:
         raise ValueError(
             f"{inp.path.name} has plane elements and solids ({', '.join(names)}): one of them is needed"

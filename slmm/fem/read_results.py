@@ -76,7 +76,8 @@ def read_element_results(
     Notes
     -----
     Stresses and energies are taken from the first of these that there is: the elasticity given; the input file,
-    when all materials are linear elastic and isotropic, no step has NLGEOM and no element has incompatible modes;
+    when all materials are linear elastic and isotropic, no step has NLGEOM (which *MPC implies) and no element has
+    incompatible modes;
     the file's own STRESS and ENER, or nodal data called stress, stresses, s or sigma, and energy, ener, sener or
     energy_density, which shape functions carry to the integration points; the same as data of the elements, constant
     in each. Components are xx, yy, zz, xy, yz, zx (VTK's order; Abaqus has zx before yz), the first four, xx, yy, xy,
@@ -129,7 +130,9 @@ def read_element_results(
             model = input_model(result, displacement, input_file, reduced)
         return _results(model, elasticity, method, thickness)
     except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+        # where a block is damaged that was not read before, file and line are named
+        named = str(error).startswith(f"{path}, line ")
+        raise ValueError(str(error) if named else f"{path}: {error}") from error
 
 
 def _results(

@@ -7,7 +7,7 @@ z = const, which is what CalculiX makes of plane elements. Of such a layer the f
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from slmm.fem.displacement_names import find_displacements
 from slmm.fem.field import ELEMENTS, DisplacementField
 from slmm.fem.file_mesh import FileMesh, side_by_side
 from slmm.fem.frd import FrdField, FrdResult, read_frd
+from slmm.fem.inp_lines import blocks, plain
 from slmm.fem.joined_nodes import first_of_equal, joined, mean_of_joined
 
 #: plane elements by their number of nodes, as faces of solid elements
@@ -92,9 +93,9 @@ def read_displacements(path: str | Path, step: int = -1, field: str | None = Non
 
     Notes
     -----
-    An axisymmetric model with plane output looks like a plane one and is not told apart. A .frd file keeps six
-    digits: a large rigid motion takes them away from the strains. Elements or pieces with nodes of their own are
-    joined, see `slmm.fem.joined_nodes`.
+    An axisymmetric model with plane output looks like a plane one: only CalculiX's input file of the same name, if it
+    is beside the results, tells them apart. A .frd file keeps six digits: a large rigid motion takes them away from the
+    strains. Elements or pieces with nodes of their own are joined, see `slmm.fem.joined_nodes`.
 
     Examples
     --------
@@ -107,6 +108,8 @@ def read_displacements(path: str | Path, step: int = -1, field: str | None = Non
         raise FileNotFoundError(f"{path}: no such file")
     if path.suffix.lower() == ".frd":
         result, displacement = frd_displacements(path, step, field)
+        if _is_axisymmetric(path.with_suffix(".inp")):
+            raise ValueError(f"{path}: has axisymmetric elements (CAX) by its .inp: a plane model is needed")
         model: tuple[np.ndarray, Mapping[str, np.ndarray], np.ndarray]
         model = result.nodes, result.cells, displacement.values
     else:
@@ -138,15 +141,35 @@ def frd_displacements(path: Path, step: int, field: str | None = None) -> tuple[
             "for them: *NODE FILE, U"
         )
     fields = result.fields["DISP"]
-    displacement = fields[_chosen(path, step, len(fields))]
-    used = np.unique(np.concatenate([np.zeros(0, int), *(nodes.ravel() for nodes in result.cells.values())]))
-    missing = used[np.isnan(displacement.values[used]).any(axis=1)]
+    found = fields[_chosen(path, step, len(fields))]
+    if found.of_mode:
+        loaded = [number for number, other in enumerate(fields) if not other.of_mode]
+        raise ValueError(
+            f"{path}: step {step} of {len(fields)} is a mode of vibration or buckling ({found.value:g}), whose "
+            f"displacements have no size of their own; steps under load: {', '.join(map(str, loaded)) or 'none'}"
+        )
+    # nodes of networks and springs need not move
+    of_solids = [nodes.ravel() for kind, nodes in result.cells.items() if not kind.startswith(THIN)]
+    used = np.unique(np.concatenate([np.zeros(0, int), *of_solids]))
+    missing = used[~np.isfinite(found.values[used]).all(axis=1)]
     if len(missing):
         raise ValueError(
-            f"{path}: no displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
-            "nodes); ask CalculiX for all: *NODE FILE without NSET"
+            f"{path}: no finite displacement of node {result.node_ids[missing[0]]} ({len(missing)} of {len(used)} such "
+            "nodes); ask CalculiX for all: *NODE FILE without NSET, and see whether the run converged"
         )
-    return result, displacement
+    # nodes of flows, shells and beams have more than three
+    return result, replace(found, components=found.components[:3], read=lambda: found.values[:, :3])
+
+
+def _is_axisymmetric(beside: Path) -> bool:
+    """Whether an input file has axisymmetric elements; displacements need none, so that none need be readable."""
+    try:
+        return beside.is_file() and any(
+            block.keyword == "ELEMENT" and plain(block.parameters.get("TYPE", "")).startswith("CAX")
+            for block in blocks(beside)
+        )
+    except (OSError, ValueError):
+        return False
 
 
 @dataclass(frozen=True)

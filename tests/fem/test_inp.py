@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.inp import read_inp
+from slmm.fem.inp_lines import real
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -182,7 +183,25 @@ def test_any_step_with_nlgeom_makes_the_analysis_nonlinear(parameter, nonlinear,
         ("elset=Bricks, material=steel", "elset=Bricks", r"line 20: \*SOLID SECTION has no MATERIAL"),
         ("*Static", "*Part, name=P", r"line 25: \*PART: parts and instances are not read"),
         ("*Node, nset=All", "*Node, system=C", r"line 5: SYSTEM=C"),
-        ("** a comment", "a comment", r"line 1: 'a comment.*no keyword stands before it"),
+        (
+            "parts/elements.inp",
+            "../elements.inp",
+            r"line 9: .*only files in the folder of model\.inp, or below",
+        ),
+        (
+            "parts/elements.inp",
+            "/etc/hostname",
+            r"line 9: .*only files in the folder of model\.inp, or below",
+        ),
+        ("parts/elements.inp", "x" * 300, r"line 9: .*OSError"),
+        ("parts/elements.inp", "a\0b", r"line 9: .*no name of a file"),
+        ("1, 5, 2", "1, 6", r"line 11: '1, 6': names elements that the file does not have: the last is 5"),
+        ("1, 5, 2", "1, 300000000", r"line 11: '1, 300000000': names elements"),
+        ("1, 5, 2", "1, 100000000000", r"line 11: '1, 100000000000': names elements"),
+        ("ODD, 2", "9" * 19 + ", 2", r"line 13: '9{19}': whole numbers"),
+        ("8, 3, 4", "8, nan, 4", r"line 8: '8, nan, 4': numbers"),
+        ("8, 3, 4", "8, 1d999, 4", r"line 8: '8, 1d999, 4': numbers"),
+        ("8, 3, 4", "8, 1_0, 4", r"line 8: '8, 1_0, 4': numbers"),
     ],
 )
 def test_what_is_wrong_is_named_with_file_and_line(old, new, message, written):
@@ -196,13 +215,131 @@ def test_what_is_wrong_is_named_with_file_and_line(old, new, message, written):
     [
         ("TYPE=C3D20R, ", "", r"elements\.inp, line 1: \*ELEMENT has no TYPE"),
         ("38, 39, 40", "38, 39", r"elements\.inp, line 5: element 5 has 19 nodes: C3D20R has 20"),
-        ("1, 1, 2, 3, 4", "1, 1, 2, 3, 4, 5", r"elements\.inp, line 7: element 1 has 5 nodes: CPS4 has 4"),
+        ("1, 1, 2, 3, 4", "1, 1" + "0" * 4300, r"elements\.inp, line 7: '1, 10+\.\.\.': whole numbers"),
         ("1, 1, 2, 3, 4", "4, 1, 2, 3, 4", r"model\.inp: element 4 is defined more than once"),
     ],
 )
 def test_what_is_wrong_in_an_included_file_is_named_there(old, new, message, written):
     with pytest.raises(ValueError, match=message):
         read_inp(written(elements=ELEMENTS.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2.1d5", 2.1e5), ("1.57D0", 1.57), ("1.5D+0", 1.5), ("1.5+3", 1500), ("-.5-1", -0.05), ("5.", 5), ("+3", 3),
+        ("1Q2", 100), ("1.e-2", 0.01), (" 7 ", 7),
+    ],
+)  # fmt: skip
+def test_numbers_are_read_as_fortran_reads_them(text, value):
+    assert real(text) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "d5", "1.5+", "1e", "inf", "nan", "1_0", "0x1", "1.5e3.2", "1 2", "--1"]
+)
+def test_what_fortran_does_not_read_is_no_number(text):
+    with pytest.raises(ValueError, match="is no finite number"):
+        real(text)
+
+
+def test_what_stands_before_the_first_keyword_is_passed_over_and_no_keyword_at_all_is_refused(
+    written, tmp_path
+):
+    for junk in ("a title\n1, 2, 3\n", "\ufeff", "\r\n", "* * a comment\n"):
+        assert read_inp(written(junk + MODEL)).cell_ids.keys() == {"C3D20R", "CPS4", "SPRINGX"}
+    for nothing in ("", "1, 2, 3\n", "** only\n"):
+        (tmp_path / "nothing.inp").write_text(nothing)
+        with pytest.raises(ValueError, match=r"nothing\.inp: holds no keyword"):
+            read_inp(tmp_path / "nothing.inp")
+
+
+def test_keywords_may_stand_in_any_order_as_calculix_sorts_them(written):
+    begin, end = MODEL.index("*Material"), MODEL.index("*Solid Section")
+    material = MODEL[begin:end]
+    late = MODEL.replace(material, "").replace("*Step", material + "*Step")
+    apart = MODEL.replace("*Elastic", "*Node\n9, 1, 1\n*Elastic")
+    assert (
+        read_inp(written(late)).materials
+        == read_inp(written(apart)).materials
+        == {"STEEL": Elasticity(210e3, 0.3)}
+    )
+    sets = MODEL.replace("*ELSET, ELSET=odd, GENERATE\n1, 5, 2\n", "*Elset, elset=odd\nBricks, 1, 3, 99\n", 1)
+    include = "*Include, input=parts/elements.inp\n"
+    sets = sets.replace(include, "").replace("*Step", include + "*Step")
+    section = read_inp(written(sets)).section_of([1, 2, 3, 4, 5])
+    assert section.tolist() == [1, 1, 1, 1, 1]
+
+
+def test_a_material_may_become_plastic_after_other_keywords(written):
+    model = read_inp(written(MODEL.replace("*Step", "*Plastic\n300, 0\n*Step")))
+    assert model.reasons == {"STEEL": "STEEL has *PLASTIC"}
+
+
+def test_elements_of_other_types_end_where_their_nodes_do(written):
+    elements = (
+        "*ELEMENT, TYPE=S8R\n1, 1, 2, 3, 4\n5, 6, 7, 8\n2, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=D\n3, , 4, 5\n"
+        "*USER ELEMENT, TYPE=U7, NODES=5, INTEGRATION POINTS=1, MAXDOF=3\n*ELEMENT, TYPE=U7\n4, 1, 2, 3\n4, 5\n"
+        "*ELEMENT, TYPE=DC3D4\n5, 1, 2, 3, 4, 99\n"
+    )
+    model = read_inp(written(MODEL.replace("Bricks", "odd"), elements))
+    assert {kind: ids.tolist() for kind, ids in model.cell_ids.items()} == {
+        "S8R": [1, 2], "D": [3], "U7": [4], "C3D4": [5]
+    }  # fmt: skip
+    assert model.cells["C3D4"].tolist() == [[1, 2, 3, 4]]
+
+
+@pytest.mark.parametrize(
+    ("keyword", "reason"),
+    [
+        ("*Shell section, composite, elset=odd\n1, , steel", "SHELL SECTION, COMPOSITE"),
+        ("*Refine mesh, limit=50.\nS", "REFINE MESH"),
+        ("*Model change, type=element, remove\n1", "MODEL CHANGE"),
+        ("*Node file, global=no\nU", "GLOBAL=NO"),
+        ("*Solid section, elset=odd, material=steel, nodal thickness\n1.", "NODAL THICKNESS"),
+    ],
+)
+def test_what_makes_results_other_than_those_of_the_elements_is_kept(keyword, reason, written):
+    (found,) = read_inp(written(MODEL.replace("*Static", f"*Static\n{keyword}"))).unlike
+    assert reason in found
+    assert not read_inp(
+        written(MODEL.replace("*Static", "*Model change, type=contact pair, remove\nA, B"))
+    ).unlike
+
+
+def test_included_files_lie_beside_the_model_as_calculix_finds_them_or_beside_the_file_that_names_them(
+    written,
+):
+    path = written(elements="*INCLUDE, INPUT=more.inp\n" + ELEMENTS)
+    (path.parent / "parts" / "more.inp").write_text("*NODE\n99, 1, 1\n")
+    assert 99 in read_inp(path).node_ids
+    (path.parent / "more.inp").write_text("*NODE\n98, 1, 1\n")
+    assert 98 in read_inp(path).node_ids and 99 not in read_inp(path).node_ids
+
+
+def test_links_that_lead_out_of_the_folder_are_not_followed(written, tmp_path_factory):
+    other = tmp_path_factory.mktemp("other") / "elements.inp"
+    other.write_text(ELEMENTS)
+    path = written()
+    (path.parent / "parts" / "elements.inp").unlink()
+    (path.parent / "parts" / "elements.inp").symlink_to(other)
+    with pytest.raises(ValueError, match=r"line 9: .*only files in the folder"):
+        read_inp(path)
+
+
+def test_files_that_include_each_other_are_refused_however_they_do(written, tmp_path):
+    with pytest.raises(ValueError, match=r"elements\.inp, line 1: .*model\.inp includes itself"):
+        read_inp(written(elements="*include, input=model.inp\n"))
+    path = written(elements="*include, input=0.inp\n")
+    for k in range(12):
+        (tmp_path / f"{k}.inp").write_text(f"*include, input={k + 1}.inp\n" * 2)
+    with pytest.raises(ValueError, match=r"7\.inp, line 1: \*INCLUDE within more than 9 files"):
+        read_inp(path)
+    for k in range(3, 7):
+        (tmp_path / f"{k}.inp").write_text(f"*include, input={k + 1}.inp\n" * 8)
+    (tmp_path / "7.inp").write_text("*node\n")
+    with pytest.raises(ValueError, match=r"\.inp, line \d+: more than 1000 files are included"):
+        read_inp(path)
 
 
 @pytest.mark.parametrize("path", sorted(DATA.glob("*.inp")), ids=lambda path: path.name)

@@ -243,7 +243,7 @@ def test_an_input_file_may_lie_elsewhere(copied, tmp_path):
             CRACK,
             [("TYPE=CPE8", "TYPE=S8R")],
             {},
-            r"edge_crack_2d\.inp: element_type = 'S8R': unknown; known are CPE3",
+            r"edge_crack_2d\.inp has elements of type S8R: only plane elements",
         ),
         (CRACK, [("TYPE=CPE8", "TYPE=C3D8")], {}, r"element 1 is quad8 here, and C3D8 in edge_crack_2d\.inp"),
         (CRACK, [("\n400, ", "\n401, "), ("381, 400", "381, 401")], {}, r"has no element 400 \(1 of 400"),

@@ -211,16 +211,24 @@ def test_a_file_that_is_cut_off_anywhere_is_refused(share, tmp_path_factory):
         ("                          25                                     1", None, r"\*NODE FILE"),
         (" -2         1         3         9", " -2         1         3       999", "names node 999"),
         (" -1         5    7    0    1", " -1         5   17    0    1", "element type 17"),
-        (" -1         3 1.00000E+00", " -1         3 1.0000", "columns, not 49"),
-        (" -1         3 1.00000E+00", " -1         3 one.0000+00", "could not convert"),
+        (" -1         3 1.00000E+00", " -1         3 1.0000", r"line 15: 31 columns, not 36"),
+        (
+            " -1         3 1.00000E+00",
+            " -1         3 one.0000+00",
+            r"line 15: ' one.0000\+00' in place of a number",
+        ),
         (
             "  100CL  101 1.000000000          25",
             "  100CL  101 1.000000000          26",
             "26 nodes announced, 25",
         ),
         (" -4  DISP  ", " -4  FORC  ", r"holds no displacements \(DISP\), only FORC"),
-        (" -1         8 3.06000E-03 1.33200E-03-5.42101E-20", None, "no displacement of node 8 "),
-        (" -1         8 3.06000E-03", " -1         8         NaN", "no displacement of node 8 "),
+        (" -1         8 3.06000E-03 1.33200E-03-5.42101E-20", None, "no finite displacement of node 8 "),
+        (
+            " -1         8 3.06000E-03",
+            " -1         8         NaN",
+            "no finite displacement of node 8 ",
+        ),
         (" 9999", "", "9999, is missing"),
     ],
 )
