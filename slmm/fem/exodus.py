@@ -16,6 +16,7 @@ import netCDF4
 import numpy as np
 
 from slmm.fem.file_mesh import FileMesh, checked
+from slmm.fem.netcdf_header import check_netcdf
 
 #: elements by what their types begin with and the number of their nodes
 KINDS = {
@@ -65,6 +66,10 @@ def read_exodus(path: Path, chosen: Callable[[int], int]) -> FileMesh:
     OSError, ValueError
         When the file cannot be read, is damaged, or has elements that are not known.
     """
+    try:
+        check_netcdf(path)
+    except ValueError as error:
+        raise ValueError(f"{path}: cannot be read as Exodus: {error}") from error
     try:
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)

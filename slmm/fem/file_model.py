@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from slmm.fem.displacement_names import name_and_step
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.elements import ALIASES, ELEMENTS, element_named
 from slmm.fem.frd import FrdField, FrdResult
 from slmm.fem.inp_model import InpModel
-from slmm.fem.results import FACES, THIN, MeshStep, lower_faces
+from slmm.fem.results import FACES, THIN, lower_faces
 from slmm.material import State
 
 #: elements by meshio's names, and what they are taken for where no input file says more
@@ -40,11 +39,6 @@ REDUCED = {name: f"{name}R" for name in ("CPE4", "CPE8", "C3D8", "C3D20")}
 
 #: beginnings of meshio's names of what is a surface of solids
 PLANE = ("triangle", "quad")
-
-#: names of nodal data or data of elements, in lower case; the first one found is taken
-STRESS_NAMES = ("stress", "stresses", "s", "sigma")
-ENERGY_NAMES = ("energy", "ener", "sener", "energy_density")
-REGION_NAMES = ("region", "material", "gmsh:physical")
 
 #: places of the components of a file in the tensor, by their number
 COMPONENTS = {
@@ -138,7 +132,7 @@ def result_model(result: FrdResult, displacement: FrdField, reduced: bool) -> Fi
     ValueError
         When there are no elements, or others than those known.
     """
-    names = _types(result.cells, reduced)
+    names = element_types(result.cells, reduced)
     return FileModel(
         result.nodes,
         displacement.values,
@@ -221,7 +215,7 @@ def _frd_field(result: FrdResult, displacement: FrdField, name: str, components:
                 raise ValueError(
                     f"{name} has the components {', '.join(field.components)}: {components} are expected"
                 )
-            return FileField(name, _values(field.values, name, tensor=components > 1), {})
+            return FileField(name, field_values(field.values, name, tensor=components > 1), {})
     return None
 
 
@@ -293,91 +287,17 @@ def _materials(
     return {name: np.searchsorted(codes, own) for name, own in code.items()}, regions
 
 
-# other files
+# all files
 
 
-def mesh_model(step: MeshStep, reduced: bool) -> FileModel:
-    """A step of any other file.
+def element_types(cells: Mapping[str, np.ndarray], reduced: bool) -> dict[str, str]:
+    """What the solids, or else the plane elements, of a file are taken for, by their kind.
 
     Raises
     ------
     ValueError
-        When there are no elements, or others than those known, or data do not fit.
+        When there are none, or others than those known.
     """
-    mesh = step.mesh
-    names = _types(mesh.cells, reduced)
-    return FileModel(
-        mesh.points,
-        step.u,
-        {name: mesh.cells[kind] for kind, name in names.items()},
-        {name: np.arange(len(mesh.cells[kind])) for kind, name in names.items()},
-        *_mesh_regions(step, names),
-        _mesh_field(step, names, STRESS_NAMES, tensor=True),
-        _mesh_field(step, names, ENERGY_NAMES, tensor=False),
-        f"data of nodes or elements with one of the names {', '.join(STRESS_NAMES)} and one of "
-        f"{', '.join(ENERGY_NAMES)}",
-    )
-
-
-def _mesh_regions(step: MeshStep, names: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[Region]]:
-    """Regions by data of the elements, in the order of the values."""
-    for called in REGION_NAMES:
-        # materials need not be written at every step
-        steps = _steps_of(step.mesh.cell_data, called)
-        key = steps.get(step.number) or steps.get(-1)
-        if key is not None:
-            values = {
-                name: _values(own, key, tensor=False) for name, own in _of_elements(step, key, names).items()
-            }
-            found = np.unique(np.concatenate([*values.values()]))
-            if not np.isfinite(found).all():
-                raise ValueError(f"{key} is not finite everywhere")
-            regions = [Region(f"{key} = {value:g}") for value in found]
-            return {name: np.searchsorted(found, own) for name, own in values.items()}, regions
-    counts = {name: len(step.mesh.cells[kind]) for kind, name in names.items()}
-    return {name: np.zeros(count, dtype=int) for name, count in counts.items()}, [Region("all elements")]
-
-
-def _mesh_field(
-    step: MeshStep, names: Mapping[str, str], called: Iterable[str], tensor: bool
-) -> FileField | None:
-    """Stresses or energies at the step of the displacements: nodal data, else data of elements."""
-    called = tuple(called)
-    for name in called:
-        if key := _steps_of(step.mesh.point_data, name).get(step.number):
-            return FileField(key, _values(step.mesh.point_data[key], key, tensor), {})
-    for name in called:
-        if key := _steps_of(step.mesh.cell_data, name).get(step.number):
-            values = _of_elements(step, key, names)
-            return FileField(key, None, {kind: _values(own, key, tensor) for kind, own in values.items()})
-    return None
-
-
-def _steps_of(data: Iterable[str], called: str) -> dict[int, str]:
-    """The names of the data that are called so, in capitals or not, by the number of the step, -1 if it has none."""
-    found: dict[int, str] = {}
-    for key in data:
-        name, number = name_and_step(key)
-        if name.lower() == called:
-            if number in found:
-                raise ValueError(f"{found[number]!r} and {key!r} have the same name but for capitals")
-            found[number] = key
-    return found
-
-
-def _of_elements(step: MeshStep, key: str, names: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """Data of elements by type in place of by kind."""
-    by_kind = step.mesh.cell_data[key]
-    if missing := [kind for kind in names if kind not in by_kind]:
-        raise ValueError(f"{key} has no values of {missing[0]}")
-    return {name: by_kind[kind] for kind, name in names.items()}
-
-
-# both
-
-
-def _types(cells: Mapping[str, np.ndarray], reduced: bool) -> dict[str, str]:
-    """What the solids, or else the plane elements, of a file are taken for, by their kind."""
     inside = [kind for kind, nodes in cells.items() if len(nodes) and not kind.startswith(THIN)]
     kinds = [kind for kind in inside if not kind.startswith(PLANE)] or inside
     if not kinds:
@@ -387,8 +307,14 @@ def _types(cells: Mapping[str, np.ndarray], reduced: bool) -> dict[str, str]:
     return {kind: REDUCED.get(NAMED[kind], NAMED[kind]) if reduced else NAMED[kind] for kind in kinds}
 
 
-def _values(values: np.ndarray, name: str, tensor: bool) -> np.ndarray:
-    """Tensors (n, 3, 3), or (n, 2, 2) when the file has no more; or scalars (n,)."""
+def field_values(values: np.ndarray, name: str, tensor: bool) -> np.ndarray:
+    """Tensors (n, 3, 3), or (n, 2, 2) when the file has no more; or scalars (n,).
+
+    Raises
+    ------
+    ValueError
+        When the values have another shape, or are not symmetric.
+    """
     if not tensor:
         if values.size != len(values):
             raise ValueError(

@@ -18,9 +18,11 @@ from slmm.configurational_forces import DEGENERATE, METHODS
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.element_results import ElementResults, linear_elastic
 from slmm.fem.elements import element_named
-from slmm.fem.file_model import FileField, FileModel, input_model, mesh_model, result_model
+from slmm.fem.file_model import FileField, FileModel, input_model, result_model
 from slmm.fem.inp import read_inp
-from slmm.fem.results import frd_displacements, mesh_displacements
+from slmm.fem.mesh_model import mesh_model
+from slmm.fem.mesh_step import mesh_displacements
+from slmm.fem.results import frd_displacements
 
 
 def read_element_results(

@@ -9,8 +9,9 @@ import pytest
 from slmm.configurational_forces import forces_within, nodal_configurational_forces
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.joined_nodes import joined, mean_of_joined
+from slmm.fem.mesh_step import mesh_displacements
 from slmm.fem.read_results import read_element_results
-from slmm.fem.results import mesh_displacements, read_displacements
+from slmm.fem.results import read_displacements
 from slmm.fracture import crack_tip_loading
 
 DATA, CASES = Path(__file__).parents[1] / "data", Path(__file__).parents[3] / "shared" / "cases"

@@ -17,8 +17,9 @@ from slmm.fem.elasticity import Elasticity
 from slmm.fem.elements import element_named
 from slmm.fem.field import ELEMENTS
 from slmm.fem.file_model import NAMED
+from slmm.fem.mesh_step import mesh_displacements
 from slmm.fem.read_results import read_element_results
-from slmm.fem.results import FACES, mesh_displacements, read_displacements
+from slmm.fem.results import FACES, read_displacements
 from slmm.fem.vtk_arrays import LARGEST
 from slmm.fem.vtk_cells import KINDS
 
