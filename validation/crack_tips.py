@@ -24,7 +24,7 @@ from slmm.configurational_forces import forces_in_rings, forces_within, nodal_co
 from slmm.contours.outline import Outline
 from slmm.contours.shapes import circle
 from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults
+from slmm.fem.element_results import ElementResults, linear_elastic
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fracture.kink_correction import CorrectedKink, corrected_kink
@@ -98,6 +98,29 @@ def disk_results(element_type: str, K: tuple[float, float], **mesh: Any) -> Elem
     at[0, 1] = -0.0  # the lower face's end
     values[rim] = tip_displacement(at, ROOT_M * np.array(K), STEEL)
     return solved(points, cells, STEEL, prescribed, values)
+
+
+def pressed(results: ElementResults, pressure: float) -> ElementResults:
+    """The results less a uniform tension across the crack, which leaves this pressure, MPa, on its faces: K stays."""
+    nu = STEEL.nu
+    strain = pressure / STEEL.E * np.array([-nu * (1 + nu), 1 - nu**2])
+    return linear_elastic(results.points, results.cells, results.u - results.points * strain, STEEL)
+
+
+def loaded_faces(quick: bool) -> list[Check]:
+    """Half as much pressure again on the faces as the tension that the tip causes ahead of it at the disk's rim."""
+    checks = []
+    exact, K = 1e6 * 400 / STEEL.E_prime, 20.0
+    pressure = 1.5 * K * ROOT_M / np.sqrt(2 * np.pi * 50.0)
+    for name in ("CPE4", "CPE8") if quick else DISKS:
+        tip = crack_tip_loading(pressed(disk_results(name, (K, 0.0)), pressure)).isel(tip=0)
+        case = f"disk, mode I, faces under {pressure:.0f} MPa, {name}"
+        checks.append(Check(case, "J_x, J/m2", exact, 1e3 * float(tip.G), 3e-3, source="superposition"))
+        K_I = float(tip.K_I) / ROOT_M
+        checks.append(Check(case, "K_I, MPa sqrt(m)", K, K_I, 5e-3, source="superposition"))
+        text = "contours apart, over J"
+        checks.append(Check(case, text, 2e-3, float(tip.spread), rule="at most", source="path independence"))
+    return checks
 
 
 def disks(quick: bool) -> list[Check]:
@@ -321,7 +344,7 @@ def draw(checks: list[Check]) -> None:
 
 
 def main(quick: bool = False) -> list[Check]:
-    checks = disks(quick) + solid_disk() + plates(quick) + kinks(quick)
+    checks = disks(quick) + loaded_faces(quick) + solid_disk() + plates(quick) + kinks(quick)
     show("Crack tips against exact and published values", checks)
     if not quick:
         save("crack_tips", [check.row() for check in checks])

@@ -20,14 +20,20 @@ import numpy as np
 from slmm.fem.elasticity import Elasticity
 from slmm.fem.element_results import ElementResults
 from slmm.fem.elements import element_named
-from slmm.fracture.face_traction import LoadedFace, edge_shape, traction_in_interaction, traction_in_j
+from slmm.fracture.face_traction import (
+    TIP_EDGES,
+    LoadedFace,
+    edge_shape,
+    traction_in_interaction,
+    traction_in_j,
+)
 from slmm.fracture.tip_field import tip_gradients
 from slmm.fracture.tips import CrackTip
 
 #: the weight is 1 up to this share of the radius
 PLATEAU = 0.5
-#: edges at the tip where the strain of finite elements is not that of the singularity, and the fewest to infer it from
-TIP_EDGES, FIT_EDGES = 3, 4
+#: the fewest edges to infer the strain at the tip from
+FIT_EDGES = 4
 #: the strain is inferred from the faces up to this share of what is clear, and used up to half of that
 FIT_SHARE = 0.5
 #: powers of the distance in the strain along the faces: in the part that both have alike, and in the opposite part

@@ -20,6 +20,8 @@ from slmm.fem.element_results import ElementResults
 from slmm.fracture.tip_field import tip_gradients
 from slmm.fracture.tips import CrackTip
 
+#: edges at the tip where the strain of finite elements is not that of the singularity
+TIP_EDGES = 3
 #: stresses are in balance around a tip when the force on no node inside is more than this share of stress times edge:
 #: 1e-4 is the round-off of files with six digits, 0.04 are points of integration that are not the program's, 0.1 are
 #: stresses carried from the nodes
@@ -224,7 +226,9 @@ def traction_in_j(
         )
         energy = (normal**2 / stiff + shear**2 / elasticity.mu) / 2
         of_strain = elasticity.E_prime * face.slope[..., 0] ** 2 / 2
-        J[0] += face.integral(q, face.n_1 * (energy + of_strain))
+        # edges at the tip that open, as those that close a gap, are part of it
+        opens = face.n_1 * (np.arange(len(face.nodes)) >= TIP_EDGES)[:, None]
+        J[0] += face.integral(q, opens * (energy + of_strain))
         J[1] -= face.integral(q, (t * across).sum(axis=-1) + face.side * energy)
     return J
 

@@ -136,8 +136,10 @@ def _turning_back(points: np.ndarray, chain: BoundaryChain) -> Iterator[tuple[in
             if turned <= -(np.pi - NARROW):
                 yield int(last), first
             if longest is None:
-                run = _face(points, chain, int(last), chain.before, 0.0)
-                longest = END * sum(length[k] for k in run)
+                # where the boundary bends behind the last edge, too, as around a hole, that edge is all
+                bends = abs(chain.turn[chain.before[last]]) > BEGIN
+                run = [last] if bends else _face(points, chain, int(last), chain.before, 0.0)
+                longest = END * length[run].sum()
             between += length[first]
             if between > longest or chain.after[first] < 0:
                 break
@@ -245,11 +247,13 @@ def _face(
     back = (points[chain.edges[edge, outer]] - start)[None]
     while (following_one := int(following[found[-1]])) >= 0 and following_one != edge:
         longer = np.vstack([back, points[chain.edges[following_one, outer]] - start])
-        along = longer[-1] / np.linalg.norm(longer[-1])
-        step = longer[-1] - longer[-2]
         distance = np.linalg.norm(longer, axis=1)
-        aside = np.abs(longer[:, 0] * along[1] - longer[:, 1] * along[0])
-        if step @ along < np.linalg.norm(step) / 2 or np.any(aside > STRAIGHT * distance + allowed):
+        step = longer[-1] - longer[-2]
+        # within 60 degrees of the line, and so never back
+        if step @ longer[-1] < np.linalg.norm(step) * distance[-1] / 2 or distance[-1] <= distance[-2]:
+            break
+        aside = np.abs(longer[:, 0] * longer[-1, 1] - longer[:, 1] * longer[-1, 0]) / distance[-1]
+        if np.any(aside > STRAIGHT * distance + allowed):
             break
         found.append(following_one)
         back = longer
