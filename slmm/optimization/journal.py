@@ -171,7 +171,9 @@ def _check(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
     """Refuse a file that is not this run's."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError("is a database, but no journal of a search")
-    if [sql for (sql,) in connection.execute("SELECT sql FROM sqlite_master ORDER BY rowid")] != [*TABLES]:
+    # those that SQLite makes itself, for keys, have no text
+    made = connection.execute("SELECT sql FROM sqlite_master WHERE sql NOT NULL ORDER BY rowid")
+    if [sql for (sql,) in made] != [*TABLES]:
         raise ValueError("has other tables than the journals of this version")
     (sound,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
     if sound != "ok":
