@@ -67,14 +67,14 @@ def by_choice(task: Task) -> Answer:
     from slmm.initiation.by_full_fea import by_full_fea
 
     left = choice.open
-    choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]], bounds=False)
+    choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
     left = choice.open
     loose = task.tolerance >= LOOSE and task.scene.material.plane_stress_equivalent[1] < LOCKING
     coarseness = COARSENESS if loose else 1.0
     choice.ask("dislocations", partial(by_dislocations, coarseness=coarseness), left[task.smooth[left]])
     choice.settle_negligible()
     left = choice.open
-    choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]], bounds=False)
+    choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
     choice.ask("full FEA", by_full_fea, choice.open)
     return choice.explained(NOTHING_CLOSER)
 
@@ -114,16 +114,13 @@ class _Choice:
         for i in rows:
             self.passed_over[i].append(why)
 
-    def ask(self, name: str, method: Callable[[Task], Answer], rows: np.ndarray, bounds: bool = True) -> None:
-        """Ask a method at some positions, and take what is better than before.
-
-        Unless its curves may reach beyond what it can describe, they give ``bounds`` where they give no value.
-        """
+    def ask(self, name: str, method: Callable[[Task], Answer], rows: np.ndarray) -> None:
+        """Ask a method at some positions, and take what is better than before; bounds where it gives no value."""
         if not len(rows):
             return
         found = method(self.task.among(rows))
         status = found.status.copy()
-        if bounds and not self.task.average:
+        if not self.task.average:
             _take_bounds(found, self.task)
         known = self.answer
         has_value = found.status == "ok"

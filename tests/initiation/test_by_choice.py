@@ -84,10 +84,8 @@ def test_long_cracks_from_surfaces_with_little_tension_have_bounds():
     assert np.all(result.status == "ok")
     out = result.used_method.values == BOUNDS
     FI, error = result.failure_index.values, result.failure_index_error.values
-    small = out & (error > 0.02 * MATTERS * FI.max())
-    assert small.any()
-    assert all(reason.startswith(ELSEWHERE[:40]) for reason in result.reason.values[small])
-    assert np.all((FI + error)[small] < NEGLIGIBLE * FI.max()) and np.all(error[small] <= FI[small])
+    assert out.any() and np.all(error[out] <= FI[out])
+    assert np.all((FI + error)[out] < NEGLIGIBLE * FI.max())
     points = np.column_stack([result.x, result.y])[out].tolist()
     truth = failure_indices(scene.with_(analysis={"points": points}), "full-fea")
     known = (truth.status == "ok").values
