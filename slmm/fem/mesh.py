@@ -144,7 +144,8 @@ def plate_mesh(
     path : ndarray, shape (k, 2), optional
         Nodes of a straight trial crack path, from its mouth (on an outline, an edge of the plate or a crack)
         inwards, mm. The elements along it are as large as the distance between its nodes; where the surroundings are
-        finer, there are more nodes between them.
+        finer, there are more nodes between them. It may end on the
+        boundary, too, and then goes through the ligament.
     size_max : float, optional
         Largest element, mm; by default a twelfth of the plate's shorter side.
     angle_max : float
@@ -179,9 +180,11 @@ def plate_mesh(
     outlines = tuple(outlines)
     body = plate_body(width, height, outlines)
     in_material = [_in_material(crack, body, outlines) for crack in cracks]
+    ends_on_boundary = False
     if path is not None:
         path = np.asarray(path, dtype=float)
-        _check_path(path, body)
+        ends_on_boundary = on_boundary(path[-1], body, outlines)
+        _check_path(path[:-1] if ends_on_boundary else path, body)
     largest = min(width, height) / 12 if size_max is None else size_max
     have_mouths = [on_boundary(crack[0], body, outlines) for crack in in_material]
     size = element_size.all_sizes(largest, outlines, in_material, have_mouths, path, body, angle_max)
@@ -191,6 +194,8 @@ def plate_mesh(
     if path is not None:
         mouths.append(path[0])
         have_mouths.append(True)
+    if path is not None and ends_on_boundary:
+        mouths.append(path[-1])
     rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
     pieces = [piece for ring in rings for piece in ring]
 
@@ -202,10 +207,12 @@ def plate_mesh(
         if path is not None:
             lines.append(path_nodes(path, size))
         inner = []
-        for line, has_mouth in zip(lines, have_mouths, strict=True):
+        for k, (line, has_mouth) in enumerate(zip(lines, have_mouths, strict=True)):
             known = [_existing_node(points, line[0], largest)] if has_mouth else []
-            new = line[len(known) :]
-            numbers = np.array([*known, *(len(points) + np.arange(len(new)))])
+            new, last = line[len(known) :], []
+            if ends_on_boundary and k == len(lines) - 1:  # the path
+                new, last = new[:-1], [_existing_node(points, line[-1], largest)]
+            numbers = np.array([*known, *(len(points) + np.arange(len(new))), *last])
             points = np.concatenate([points, new])
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)

@@ -141,6 +141,10 @@ class PlateModel:
         return node, triangle.shape(xi), inside
 
 
+#: stiffness of a rigid motion over the largest, and force that drives it over all force, up to which it is round-off
+NO_STIFFNESS, NO_FORCE = 1e-9, 1e-6
+
+
 class SlitModel(PlateModel):
     """A plate model whose trial path can open, from its mouth to any of its vertices.
 
@@ -153,16 +157,20 @@ class SlitModel(PlateModel):
         closed = np.setdiff1d(free, jump)
         # a mouth on an edge that is held cannot open
         opens = np.isin(jump, free)
-        self._jump_place = np.flatnonzero(opens) // 2
+        self._path_nodes, self._jump_place = jump[::2] // 2, np.flatnonzero(opens) // 2
         m = int(opens.sum())
         order = np.concatenate([closed[nested_dissection(self.K, closed)], jump[opens]])
-        factor = factorised(self.K, order)
-        self._S = last_block(factor, m)
+        # springs across the faces hold what an open path may sever
+        springs = np.zeros(self.K.shape[0])
+        springs[jump[opens]] = self.E
+        factor = factorised(self.K + sp.diags_array(springs, format="csr"), order)
+        held = last_block(factor, m)
+        self._S = held - self.E * np.eye(m)
         rhs = (force - self.K @ value)[order]
         open_path = rhs.copy()
         open_path[-m:] = 0.0
         # what the jumps want to be is forced back to zero
-        closing = -self._S @ factor.solve(open_path)[-m:]
+        closing = -held @ factor.solve(open_path)[-m:]
         self._holding = rhs[-m:] - closing
         rhs[-m:] = closing
         value[order] = factor.solve(rhs)
@@ -171,14 +179,31 @@ class SlitModel(PlateModel):
         self._across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
 
     def released_energy(self) -> np.ndarray:
-        """Energy released per thickness (k,), N, by cracks whose tips are the path's k vertices."""
-        y = crack_factor(self._S, self._holding[:, None])[:, 0]
+        """Energy released per thickness (k,), N, by cracks whose tips are the path's k vertices.
+
+        Of a path that ends on a surface, its last vertex is no tip.
+        """
+        m = self._freed[-1]
+        y = crack_factor(self._S[:m, :m], self._holding[:m, None])[:, 0]
         return np.concatenate([[0.0], 0.5 * np.cumsum(y**2)])[self._freed]
+
+    def severed_energy(self) -> float:
+        """Energy released per thickness, N, where all of a path opens that ends on a surface.
+
+        Infinite where the load then carries a part away. Parts that nothing holds and nothing carries away stay.
+        """
+        stiffness, mode = la.eigh(self._S)
+        force = mode.T @ self._holding
+        rigid = stiffness <= NO_STIFFNESS * stiffness[-1]
+        if np.any(np.abs(force[rigid]) > NO_FORCE * np.linalg.norm(force)):
+            return np.inf
+        return float(0.5 * np.sum(force[~rigid] ** 2 / stiffness[~rigid]))
 
     def tip_opening(self) -> np.ndarray:
         """Opening (k,) of the faces next to tips at the path's k vertices, mm; 0 at the mouth."""
-        L = la.cholesky(self._S, lower=True)
-        y = la.solve_triangular(L, self._holding, lower=True)
+        m = self._freed[-1]
+        L = la.cholesky(self._S[:m, :m], lower=True)
+        y = la.solve_triangular(L, self._holding[:m], lower=True)
         opening = np.zeros(len(self._freed))
         for k, n in enumerate(self._freed):
             # back substitution from the tip: of the last freed midside node; one that cannot open has none
@@ -191,7 +216,9 @@ class SlitModel(PlateModel):
     def _freed(self) -> np.ndarray:
         """Number of unknowns (k,) that tips at the path's k vertices free."""
         # a tip at vertex k frees the 2 k nodes before it, corners and midsides
-        vertices = np.arange(self._jump_place[-1] // 2 + 2)
+        vertices = np.arange(len(self._path_nodes) // 2 + 1)
+        if len(self._path_nodes) % 2:
+            vertices = vertices[:-1]  # its last vertex lies on a surface: a hinge, no tip
         return np.searchsorted(self._jump_place, 2 * vertices)
 
 

@@ -24,7 +24,7 @@ class SlitMesh:
         Vertex of the closed mesh that each vertex was copied from.
     right, left : ndarray, shape (2 k,)
         Nodes of the two faces of the trial path, corners and midsides in turn from the mouth inwards, without
-        the deepest tip.
+        the deepest tip; with the last corner where the path ends on a surface and has no tip.
     """
 
     mesh: MeshTri2
@@ -118,11 +118,15 @@ def _faces(
     along = opened.p[:, path[step + 1]] - start
     across = opened.p[:, opened.t[:, opened.f2t[0, of_path]]].mean(axis=1) - start
     on_left = along[0] * across[1] > along[1] * across[0]
-    faces = []
+    faces, ends_at = [], []
     for side in (~on_left, on_left):
         nodes = np.empty((len(path) - 1, 2), dtype=int)
         ends = opened.facets[:, of_path[side]]
         nodes[step[side], 0] = np.where(origin[ends[0]] == path[step[side]], ends[0], ends[1])
         nodes[step[side], 1] = len(origin) + of_path[side]
         faces.append(nodes.ravel())
+        deepest = ends[:, np.argmax(step[side])]
+        ends_at.append(deepest[origin[deepest] == path[-1]])
+    if ends_at[0] != ends_at[1]:
+        faces = [np.append(face, end) for face, end in zip(faces, ends_at, strict=True)]
     return faces[0], faces[1]

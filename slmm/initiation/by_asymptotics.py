@@ -314,3 +314,7 @@ def _judge(task: Task, answer: Answer, i: int, notch: VNotch, curves_at: CurvesA
         for values in (answer.load_factor, answer.crack_length, answer.error):
             values[i] = np.nan
         answer.governed_by[i] = NONE
+    if answer.status[i] != "ok":
+        # what the notch alone does say stays, as bounds
+        within = min(task.paths.longest[i], ASYMPTOTIC * notch.clear)
+        answer.curves.put(np.array([i]), curves_at(path_points(np.array([within]))))

@@ -7,6 +7,10 @@ settle, and the result says what was used where, and why.
 
 The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
 of indices below a quarter of the largest it is the tolerance of that quarter.
+
+Where a method's curves end before both conditions meet, they still bound the index, from below by what they reach and
+from above by the stress at their end. The middle is then the value, with half the difference as its error, until a
+method does better.
 """
 
 from __future__ import annotations
@@ -19,6 +23,8 @@ from time import perf_counter
 import numpy as np
 
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
+from slmm.initiation.criterion import NONE
+from slmm.initiation.curves import index_bounds
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
 
@@ -30,11 +36,12 @@ VOXELS_AFFORDED = 700**2
 LOOSE, COARSENESS, LOCKING = 0.01, 1.5, 0.95
 #: indices below this share of the largest one need no more than its accuracy
 MATTERS = 0.25
-#: and where the strength alone keeps the index below this share, long cracks are left out
+#: and where bounds keep the index below this share, they are enough
 NEGLIGIBLE = 0.1
 
-LONG_AND_SMALL = "long crack, and the strength keeps the index below {} of the largest"
-ELSEWHERE = "a crack starts elsewhere first"
+#: the method where curves end too early, and bound the index
+BOUNDS = "bounds"
+ELSEWHERE = "a crack starts elsewhere first: the strength keeps the index below {} of the largest"
 
 MANY_VOXELS = "crack cell: the sharpest notch needs {} voxels, which cost more than a body-fitted model"
 NO_FEA = "the other methods need the extra 'fea', which is not installed"
@@ -66,7 +73,7 @@ def by_choice(task: Task) -> Answer:
     loose = task.tolerance >= LOOSE and task.scene.material.plane_stress_equivalent[1] < LOCKING
     coarseness = COARSENESS if loose else 1.0
     choice.ask("dislocations", partial(by_dislocations, coarseness=coarseness), left[task.smooth[left]])
-    choice.leave_out_negligible()
+    choice.settle_negligible()
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
     choice.ask("full FEA", by_full_fea, choice.open)
@@ -89,8 +96,14 @@ class _Choice:
 
     @property
     def largest(self) -> float:
-        """Largest failure index so far."""
-        return float(np.nanmax(self.index, initial=0.0))
+        """Largest failure index so far; of bounds the lower ones count."""
+        at_least = np.where(self.bounded, self.index * (1 - self.answer.error), self.index)
+        return float(np.nanmax(at_least, initial=0.0))
+
+    @property
+    def bounded(self) -> np.ndarray:
+        """Which positions have bounds alone."""
+        return self.answer.method == BOUNDS
 
     @property
     def open(self) -> np.ndarray:
@@ -103,11 +116,14 @@ class _Choice:
             self.passed_over[i].append(why)
 
     def ask(self, name: str, method: Callable[[Task], Answer], rows: np.ndarray) -> None:
-        """Ask a method at some positions, and take what is better than before."""
+        """Ask a method at some positions, and take what is better than before; bounds where it gives no value."""
         if not len(rows):
             return
         began = perf_counter()
         found = method(self.task.among(rows))
+        status = found.status.copy()
+        if not self.task.average:
+            _take_bounds(found, self.task)
         known = self.answer
         known.spend({name: (len(rows), perf_counter() - began)})
         has_value = found.status == "ok"
@@ -119,7 +135,7 @@ class _Choice:
         self.settle()
         for k, i in enumerate(rows):
             if not self.settled[i]:
-                said = f"error {_percent(error[k])}" if has_value[k] else str(found.status[k])
+                said = f"error {_percent(error[k])}" if status[k] == "ok" else str(status[k])
                 self.passed_over[i].append(f"{name}: {said}")
 
     def settle(self) -> None:
@@ -127,27 +143,26 @@ class _Choice:
         allowed = self.task.tolerance * np.maximum(self.index, MATTERS * self.largest)
         self.settled |= self.answer.error * self.index <= allowed
 
-    def leave_out_negligible(self) -> None:
-        """Give up where no value was found yet, and none could matter: the surface must reach the strength too."""
-        if self.task.average:
-            return
-        curves = self.answer.curves
-        surface = curves.sigma_I[:, 0] * (1 + curves.sigma_error[:, 0]) / self.task.scene.material.sigma_c
-        rows = self.open[(surface < NEGLIGIBLE * self.largest)[self.open] & np.isnan(self.index[self.open])]
-        self.answer.status[rows] = LONG_AND_SMALL.format(_percent(NEGLIGIBLE))
-        self.settled[rows] = True
+    def settle_negligible(self) -> None:
+        """Be content with bounds that keep the index far below the largest."""
+        self.settled |= self.negligible
+
+    @property
+    def negligible(self) -> np.ndarray:
+        """Which positions have bounds alone, far below the largest index."""
+        return self.bounded & (self.index * (1 + self.answer.error) < NEGLIGIBLE * self.largest)
 
     def explained(self, rest: str) -> Answer:
         """The answer with its reasons; ``rest`` is why the positions left open stay so."""
-        goal = _percent(self.task.tolerance)
+        goal, negligible = _percent(self.task.tolerance), self.negligible
         for i, why in enumerate(self.passed_over):
             error = self.answer.error[i]
             if not self.settled[i]:
                 says = f"{rest} ({goal} asked for)"
-            elif self.answer.status[i] != "ok":
-                says = ELSEWHERE
             elif error <= self.task.tolerance:
                 says = f"error {_percent(error)} within {goal}"
+            elif negligible[i]:
+                says = ELSEWHERE.format(_percent(NEGLIGIBLE))
             else:
                 says = f"error {_percent(error)}, within {goal} of the quarter of the largest index"
             self.answer.reason[i] = says + (f"; passed over: {'; '.join(why)}" if why else "")
@@ -172,6 +187,18 @@ def _cells_or_strength(task: Task) -> Answer:
         strength_on(local, task, answer, rows)
     cells_on(local, task, True, answer, rows[answer.status[rows] != "ok"])
     return answer
+
+
+def _take_bounds(found: Answer, task: Task) -> None:
+    """Where curves ended too early: the middle of the bounds that they give, and half the difference as an error."""
+    low, high = index_bounds(found.curves, task.scene.material)
+    rows = np.flatnonzero((found.status != "ok") & np.isfinite(low) & np.isfinite(high))
+    low, high = low[rows], high[rows]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found.load_factor[rows] = 2 / (low + high)
+        found.error[rows] = np.where(high > 0, (high - low) / (high + low), 0.0)
+    found.crack_length[rows], found.governed_by[rows] = np.nan, NONE
+    found.status[rows], found.method[rows] = "ok", BOUNDS
 
 
 def _percent(error: float) -> str:

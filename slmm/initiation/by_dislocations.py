@@ -39,7 +39,12 @@ def by_dislocations(task: Task, coarseness: float = 1.0) -> Answer:
     rows = np.flatnonzero(task.smooth)
     if len(rows):
         task.progress(0.0, "body-fitted model")
-        dislocations_on(body_fitted_model(task.among(rows), coarseness), task, answer, rows)
+        try:
+            model = body_fitted_model(task.among(rows), coarseness)
+        except RuntimeError as error:
+            answer.status[rows] = f"no mesh: {error}"
+            return answer
+        dislocations_on(model, task, answer, rows)
     return answer
 
 

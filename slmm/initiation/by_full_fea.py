@@ -1,17 +1,24 @@
-"""Method full-fea: a body-fitted model with a true slit for every position."""
+"""Method full-fea: a body-fitted model with a true slit for every position.
+
+Where no crack of the usual lengths meets both conditions with the least load, the path goes through the whole ligament.
+A crack may then start that severs it at once: the energy released is that of the severed part (infinite where the
+load carries a piece away), and the stress has to reach the strength over the whole ligament.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
-from slmm.initiation.paths import IN_LIGAMENT
+from slmm.initiation.paths import IN_LIGAMENT, ligament_end
 from slmm.initiation.task import Answer, Task
 
 #: crack lengths of a path, and the longest over the shortest
 LENGTHS, SPAN = 25, 120.0
+#: of a path through a ligament, up to its middle
+HALF_LENGTHS, HALF_SPAN = 20, 60.0
 
 TOO_SHORT = "crack longer than the path"
 
@@ -21,31 +28,56 @@ def by_full_fea(task: Task) -> Answer:
     answer = Answer.empty(task.n, "full-fea")
     for i in range(task.n):
         task.progress(i / task.n, f"full FEA, position {i + 1} of {task.n}")
-        for paths in (task.paths, task.paths.lengthened()):
-            longest = float(paths.longest[i])
-            try:
-                model = full_fea_curves(
-                    task.scene,
-                    a_max=longest,
-                    n_lengths=LENGTHS,
-                    a_min=longest / SPAN,
-                    start=paths.start[i],
-                    direction=paths.direction[i],
-                    singular=not task.smooth[i],
-                )
-            except (ValueError, RuntimeError) as error:
-                answer.status[i] = f"no mesh: {error}"
-                break
-            complete = longest >= 0.999 * IN_LIGAMENT * paths.ligament[i]
-            curves = sampled(model, float(task.where.corner[i]))
-            answer.judge(np.array([i]), curves, task, TOO_SHORT, np.array([complete]))
-            if answer.status[i] == "ok" or complete:
-                break
+        _at_position(task, answer, i)
     for k, outline in enumerate(task.scene.outlines):
         smooth = task.smooth & (task.where.hole == k)
         answer.column("curvature")[smooth] = 0.5 * outline.curvatures(task.where.s[smooth])
     answer.provenance |= {"local_model": "body-fitted, with a slit for each position"}
     return answer
+
+
+def _at_position(task: Task, answer: Answer, i: int) -> None:
+    """Fill one row: with the usual path, a longer one, and one through the ligament, as long as none is enough."""
+    within = IN_LIGAMENT * float(task.paths.ligament[i])
+    usual, longer = float(task.paths.longest[i]), float(task.paths.lengthened().longest[i])
+    # what reaches that far goes through at once; where that cannot be meshed, curves up to there are bounds
+    shorter = [longest for longest in (usual, longer) if longest < 0.999 * within]
+    for longest in (*shorter, np.inf, within):
+        try:
+            model = _model(task, i, longest)
+        except (ValueError, RuntimeError) as error:
+            answer.status[i] = answer.status[i] or f"no mesh: {error}"
+            continue
+        curves = sampled(model, float(task.where.corner[i]))
+        answer.judge(np.array([i]), curves, task, TOO_SHORT, np.array([model.severs]))
+        if answer.status[i] == "ok":
+            return
+
+
+def _model(task: Task, i: int, longest: float) -> FullFEA:
+    """The model of a position's path, as long as given, mm, or, when that is infinite, through its ligament."""
+    paths = task.paths
+    start, direction, singular = paths.start[i], paths.direction[i], not task.smooth[i]
+    if np.isfinite(longest):
+        return full_fea_curves(
+            task.scene,
+            a_max=longest,
+            n_lengths=LENGTHS,
+            a_min=longest / SPAN,
+            start=start,
+            direction=direction,
+            singular=singular,
+        )
+    end = ligament_end(task.scene, paths, i)
+    return full_fea_curves(
+        task.scene,
+        n_lengths=HALF_LENGTHS,
+        a_min=0.5 * paths.ligament[i] / HALF_SPAN,
+        start=start,
+        direction=direction,
+        singular=singular,
+        end=end,
+    )
 
 
 def sampled(model: FullFEA, corner: float) -> PathCurves:
@@ -61,7 +93,8 @@ def sampled(model: FullFEA, corner: float) -> PathCurves:
     logarithm = np.log(np.maximum(a, model.a[0]))
     G = np.zeros_like(a)
     if model.G_inc[0] > 0:  # else the crack is closed from its mouth on
-        energy = CubicSpline(np.log(model.a), np.log(model.G_inc))
+        # towards a far surface the energy may turn sharply
+        energy = (PchipInterpolator if model.severs else CubicSpline)(np.log(model.a), np.log(model.G_inc))
         # below the shortest crack the power law goes on: linear at a smooth surface, constant at a crack tip
         exponent = 0.0 if corner == 0 else 1.0 if np.isnan(corner) else float(energy(np.log(model.a[0]), 1))
         G = np.exp(energy(logarithm)) * np.where(a < model.a[0], a / model.a[0], 1.0) ** exponent

@@ -43,7 +43,7 @@ class CriticalLoad(NamedTuple):
 
 
 @njit(cache=True)
-def critical_load(a, G_inc, strength, G_c, sigma_c):
+def critical_load(a, G_inc, strength, G_c, sigma_c, complete=False):
     """Load factor, crack length and code of what governs, for curves sampled densely enough.
 
     Parameters
@@ -56,6 +56,8 @@ def critical_load(a, G_inc, strength, G_c, sigma_c):
         What the stress criterion compares with sigma_c for a crack of each length, MPa.
     G_c, sigma_c : float
         Material.
+    complete : bool
+        No crack can be longer than the last length.
     """
     n = len(a)
     best, at, code = np.inf, np.nan, NONE
@@ -79,7 +81,7 @@ def critical_load(a, G_inc, strength, G_c, sigma_c):
             code = ENERGY if by_energy[i] >= by_stress[i] else STRESS
     if not np.isfinite(best):
         return np.inf, np.nan, NONE
-    if code == ENERGY and at == a[n - 1]:
+    if code == ENERGY and at == a[n - 1] and not complete:
         return np.nan, np.nan, NONE  # a longer crack would need less: the curves end too early
     return best, at, code
 

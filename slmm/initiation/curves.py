@@ -76,7 +76,7 @@ def criticals(
     """Apply the coupled criterion to every position that has curves.
 
     Where the load found lets the strength be exceeded all along the curves, longer cracks could need less: no value,
-    unless a path is ``complete`` (n,), ie. as long as the ligament allows.
+    unless a path is ``complete`` (n,), ie. goes through the whole ligament.
     """
     n = len(curves.a)
     load_factor, length, error = (np.full(n, np.nan) for _ in range(3))
@@ -84,10 +84,10 @@ def criticals(
     with np.errstate(invalid="ignore"):
         strength = stress_over_crack(curves.a, curves.sigma_I, average)
     for i in np.flatnonzero(np.isfinite(curves.a[:, -1])):
-        load_factor[i], length[i], code[i] = critical_load(
-            curves.a[i], curves.G_inc[i], strength[i], material.G_c, material.sigma_c
-        )
         open_end = complete is None or not complete[i]
+        load_factor[i], length[i], code[i] = critical_load(
+            curves.a[i], curves.G_inc[i], strength[i], material.G_c, material.sigma_c, not open_end
+        )
         if open_end and load_factor[i] * strength[i, -1] > (1 + 1e-9) * material.sigma_c:
             load_factor[i], length[i], code[i] = np.nan, np.nan, NONE
             continue
@@ -104,6 +104,34 @@ def criticals(
             code[i],
         )
     return Critical(load_factor, length, code, error)
+
+
+def index_bounds(curves: PathCurves, material: Material) -> tuple[np.ndarray, np.ndarray]:
+    """Between which failure indices (n,) the stress along the crack leaves the truth, also where curves end too early.
+
+    The index is the largest, over all crack lengths, of the smaller of what energy and stress allow. What the curves
+    say up to their end is a lower bound of it. Longer cracks cannot have more than the stress allows at the end, for
+    the least stress over a crack falls with its length (the mean may rise: of the average there is no bound). The
+    errors that the curves tell widen both. NaN where there are no curves or no errors.
+    """
+    sigma, G = curves.sigma_I, np.maximum(curves.G_inc, 0.0)
+    with np.errstate(invalid="ignore"):
+        # infinite at a corner, whatever the error
+        margin = np.where(np.isinf(sigma), 0.0, curves.sigma_error * np.abs(sigma))
+        stress_low, stress_high = (
+            np.maximum(stress_over_crack(curves.a, sigma + side * margin, average=False), 0.0)
+            / material.sigma_c
+            for side in (-1, 1)
+        )
+        energy_low, energy_high = (
+            np.sqrt(np.maximum(G * (1 + side * curves.G_error), 0.0) / material.G_c) for side in (-1, 1)
+        )
+    # from one length to the next, and from the last one on, no more than the stress at its begin and the energy's
+    # larger value
+    larger = np.append(
+        np.maximum(energy_high[:, :-1], energy_high[:, 1:]), np.full((len(G), 1), np.inf), axis=1
+    )
+    return np.minimum(energy_low, stress_low).max(axis=1), np.minimum(larger, stress_high).max(axis=1)
 
 
 def _index_error(a, G_inc, strength, G_error, sigma_error, length, code):

@@ -2,7 +2,8 @@
 
 The thesis solves one model for every crack length and subtracts potential energies. Here the path is one
 slit whose faces are held together; what releases energy is letting them go, from the mouth inwards. All crack
-lengths follow from one factorisation (slmm.fem.crack_line) and no two large numbers are subtracted.
+lengths follow from one factorisation (slmm.fem.crack_line) and no two large numbers are subtracted. A path may go
+through the ligament to the next surface; its longest crack then severs the ligament.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from slmm.initiation.contact import until_closed
 GROWTH = 1.25
 #: a mesh and its uniform refinements
 LEVELS = 3
+#: released energy per area that stands for an infinite one, over that of the longest crack before
+PLENTY = 1e6
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class FullFEA:
     Parameters
     ----------
     a : ndarray, shape (n,)
-        Crack lengths, mm.
+        Crack lengths, mm; of a path through the ligament the last one severs it.
     G_inc : ndarray, shape (n,)
         Incremental energy release rate, released energy per crack area, N/mm.
     G_inc_error : ndarray, shape (n,)
@@ -47,6 +50,8 @@ class FullFEA:
         Estimate of its error, MPa, likewise.
     start, direction : ndarray, shape (2,)
         The crack's mouth, mm, and the unit vector along the path.
+    severs : bool
+        Whether the longest crack goes through the ligament.
     """
 
     a: np.ndarray
@@ -58,6 +63,7 @@ class FullFEA:
     sigma_I_error: np.ndarray
     start: np.ndarray
     direction: np.ndarray
+    severs: bool = False
 
 
 def full_fea_curves(
@@ -74,6 +80,7 @@ def full_fea_curves(
     angle_max: float = 0.25,
     singular: bool = False,
     loading: Loading = plate_load,
+    end: np.ndarray | None = None,
 ) -> FullFEA:
     """Released energy and stress along a straight crack path by full FEA, extrapolated from three meshes.
 
@@ -102,6 +109,9 @@ def full_fea_curves(
         The path starts at a corner or a crack tip, where the stress is infinite.
     loading : callable
         See `slmm.fem.plate_model.PlateModel`.
+    end : ndarray, shape (2,), optional
+        Point of the boundary where the path leaves the material, mm; in place of ``a_max``. The lengths are then
+        dense towards both ends, (2 n_lengths - 1,) with tips and the severed ligament as the last one.
 
     Returns
     -------
@@ -124,6 +134,9 @@ def full_fea_curves(
     mesh and its uniform refinements.
     """
     origin, along = _path_start(scene, outline_index, s, start, direction)
+    if end is not None:
+        a_max = float(np.linalg.norm(end - origin))
+        along = (end - origin) / a_max
     if a_max is None or not a_max > 0:
         raise ValueError(f"a_max = {a_max!r} mm: must be a positive crack length")
     a_min = a_max / 120 if a_min is None else a_min
@@ -131,8 +144,11 @@ def full_fea_curves(
         raise ValueError(f"a_min = {a_min!r} mm: must lie between 0 and a_max = {a_max!r} mm")
     if n_lengths < 2:
         raise ValueError(f"n_lengths = {n_lengths!r}: at least 2")
-    a = np.geomspace(a_min, a_max, n_lengths)
+    a = np.geomspace(a_min, a_max if end is None else a_max / 2, n_lengths)
     depth = path_depths(a)
+    if end is not None:
+        a = np.concatenate([a, a_max - a[-2::-1], [a_max]])
+        depth = np.append(depth, a_max - depth[-2::-1])
     if eta is None:
         eta = a if singular else np.concatenate([[0.0], a])
     eta = np.asarray(eta, dtype=float)
@@ -142,14 +158,19 @@ def full_fea_curves(
     path = origin + depth[:, None] * along
     cracks = [np.asarray(crack.points, dtype=float) for crack in scene.cracks]
     mesh = plate_mesh(plate.width, plate.height, scene.outlines, path, size_max, angle_max, cracks)
-    # where the lengths are among the vertices of the path
-    last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + a[:, None] * along)[1]
+    # where the tips are among the vertices of the path; a severed ligament has none
+    tips = a if end is None else a[:-1]
+    last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + tips[:, None] * along)[1]
     released, stress = [], []
-    opening = np.ones(n_lengths)
+    opening = np.ones(len(a))
     for level in range(LEVELS):
         model = SlitModel(mesh, scene, loading)
-        released.append(model.released_energy()[last_nodes * 2**level] / a)
-        opening = np.minimum(opening, model.tip_opening()[last_nodes * 2**level])
+        energy = model.released_energy()[last_nodes * 2**level]
+        if end is not None:
+            energy = np.append(energy, min(model.severed_energy(), PLENTY * energy[-1]))
+        released.append(energy / a)
+        at_tips = slice(len(last_nodes))
+        opening[at_tips] = np.minimum(opening[at_tips], model.tip_opening()[last_nodes * 2**level])
         stress.append(model.stress(origin + eta[:, None] * along))
         if np.any(np.isnan(stress[-1])):
             deep = eta[np.isnan(stress[-1]).any(axis=1)][0]
@@ -173,6 +194,7 @@ def full_fea_curves(
         sigma_I_error=np.abs(sigma_I - principal_stress(stress[2])),
         start=origin,
         direction=along,
+        severs=end is not None,
     )
 
 

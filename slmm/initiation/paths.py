@@ -21,6 +21,8 @@ IN_LIGAMENT = 0.8
 FIRST_RAYS = 1 / 64
 #: segments of an outline that are looked at together
 PIECE = 50
+#: a ligament's computed end is this near to the true outline, as a share of the plate's longer side
+CLOSE = 1e-5
 
 
 class Paths(NamedTuple):
@@ -59,6 +61,28 @@ def trial_paths(scene: Scene, where: Positions) -> Paths:
     ligament = ligaments(scene, where.points, direction)
     longest = np.minimum(IN_IRWIN_LENGTHS * scene.material.irwin_length, IN_LIGAMENT * ligament)
     return Paths(where.points, direction, ligament, longest)
+
+
+def ligament_end(scene: Scene, paths: Paths, i: int) -> np.ndarray:
+    """Point (2,) of the boundary where the path of a position leaves the material, mm.
+
+    Raises
+    ------
+    ValueError
+        When that is at a crack, which has no place for another one's end.
+    """
+    end = paths.start[i] + paths.ligament[i] * paths.direction[i]
+    sides = np.array([scene.plate.width, scene.plate.height])
+    near = CLOSE * float(sides.max())
+    for outline in scene.outlines:
+        on_outline = outline.points(outline.project(end[None]))[0]
+        if np.linalg.norm(on_outline - end) < near:
+            return on_outline
+    # exactly on the plate's edge
+    snapped = np.where(np.abs(end) < near, 0.0, np.where(np.abs(end - sides) < near, sides, end))
+    if np.array_equal(snapped, end):
+        raise ValueError(f"the path ends at ({end[0]:.6g}, {end[1]:.6g}) mm, at a crack")
+    return snapped
 
 
 def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.ndarray:

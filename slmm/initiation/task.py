@@ -153,7 +153,7 @@ class Answer:
         too_short : str
             The status where the curves end before both conditions meet.
         complete : ndarray (n,) of bool, optional
-            Which paths are as long as the ligament allows.
+            Which paths go through the whole ligament.
         """
         found = criticals(curves, task.scene.material, task.average, complete)
         self.load_factor[rows] = found.load_factor

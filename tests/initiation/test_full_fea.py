@@ -204,3 +204,39 @@ def test_forces_that_do_not_balance_are_refused():
 
 def test_principal_stress_of_pure_shear():
     assert principal_stress(np.array([0.0, 0.0, 3.0])) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("load", [{"displacement": 0.3}, {"strain": (0.0, 0.01, 0.0)}, {"stress": 29.6}])
+def test_a_crack_through_the_whole_plate_releases_what_the_load_leaves(load):
+    """Of a bar with displaced ends all its energy, of one with held sides less, under a stress no end of it."""
+    W, H = 20.0, 30.0
+    curves = full_fea_curves(
+        scene(W, H, **load),
+        start=(0, H / 2),
+        direction=(1, 0),
+        end=np.array([W, H / 2]),
+        n_lengths=12,
+        a_min=0.3,
+    )
+    assert curves.severs and curves.a[-1] == pytest.approx(W) and len(curves.a) == 2 * 12
+    assert np.all(np.diff(curves.a) > 0) and np.all(np.diff(curves.a * curves.G_inc) > 0)
+    whole = 29.6**2 * H / (2 * PMMA.E)
+    if "displacement" in load:
+        assert curves.G_inc[-1] == pytest.approx(whole, rel=1e-9)
+        assert curves.sigma_I == pytest.approx(29.6, rel=1e-9)
+    elif "strain" in load:
+        # Saint-Venant: cut halves still hold their sides
+        assert 0.5 * whole < curves.G_inc[-1] < whole / (1 - PMMA.nu**2)
+    else:
+        assert curves.G_inc[-1] > 1e3 * whole and curves.sigma_I == pytest.approx(29.6, rel=1e-9)
+
+
+def test_a_severed_ligament_agrees_with_paths_that_end_just_before_the_far_surface():
+    plate = scene(40.0, 40.0, [hole((20, 20), 5.0)], displacement=0.2)
+    whole = full_fea_curves(
+        plate, start=(25, 20), direction=(1, 0), end=np.array([40.0, 20.0]), n_lengths=14, a_min=0.2
+    )
+    short = full_fea_curves(plate, 0, 0.0, a_max=12.0, a_min=0.2, n_lengths=14)
+    energy = np.interp(short.a, whole.a, whole.a * whole.G_inc)
+    assert energy[-4:] == pytest.approx((short.a * short.G_inc)[-4:], rel=0.01)
+    assert whole.a[-1] * whole.G_inc[-1] > energy[-1]
