@@ -23,7 +23,7 @@ def overlaps_united(
 ) -> tuple[list[tuple[str, Outline]], list[str]]:
     """Named outlines, those that overlap in the plate as one, and what is wrong with their unions."""
     polygons = [_polygon(outline) for _, outline in named]
-    if not all(polygon.is_valid for polygon in polygons):
+    if len(named) < 2 or not all(polygon.is_valid for polygon in polygons):
         return list(named), []  # `hole_problems` says so
     return united(named, polygons, box(0.0, 0.0, width, height), TOLERANCE * max(width, height))
 
