@@ -12,6 +12,7 @@ from scipy.special import ndtri
 from skimage.filters import gaussian
 from skimage.measure import find_contours
 
+from slmm.contours.flanks import Noise
 from slmm.contours.outline import Outline
 from slmm.contours.picture import (
     INVERTED,
@@ -22,8 +23,8 @@ from slmm.contours.picture import (
     levels,
     size_in_header,
 )
-from slmm.contours.traced import Contour, traced_outline
-from slmm.contours.vertices import Noise
+from slmm.contours.stretches import Contour
+from slmm.contours.traced import traced_outline
 
 Array = NDArray[np.float64]
 

@@ -140,9 +140,7 @@ def check_border(hole: NDArray[np.bool_]) -> None:
             f"a dark frame of {width} pixels runs round the picture; cut it off, the picture must end where the"
             f" plate does ({INVERTED})"
         )
-    raise ValueError(
-        f"the picture's border is dark, so no material is left at the plate's edges; {INVERTED}"
-    )
+    raise ValueError(f"the picture's border is dark, so no material is left at the plate's edges; {INVERTED}")
 
 
 def is_black_and_white(grey: Array, dark: float, light: float) -> bool:

@@ -28,7 +28,7 @@ LEAST_RADIUS = 1.5
 
 
 def smoothed(
-    points: Array, weights: Array, straight: Array, wavelength: Array, step: float, closed: bool
+    points: Array, weights: Array, straight: NDArray[np.bool_], wavelength: Array, step: float, closed: bool
 ) -> Array:
     """The points (n, 2) without their undulations.
 
@@ -71,15 +71,13 @@ def _differences(n: int, order: int, closed: bool) -> sparray:
             [band[: n - order] for band in bands], offsets=list(range(order + 1)), shape=(n - order, n)
         )
     wrapped = [k - n for k in range(1, order + 1)]
-    return diags_array(
-        [*bands, *bands[1:]], offsets=[*range(order + 1), *wrapped], shape=(n, n)
-    )
+    return diags_array([*bands, *bands[1:]], offsets=[*range(order + 1), *wrapped], shape=(n, n))
 
 
 def wavelengths(
     points: Array,
     weights: Array,
-    straight: Array,
+    straight: NDArray[np.bool_],
     per_root: float,
     radius: float,
     step: float,

@@ -17,7 +17,10 @@ TOUCHING = 0.02
 
 
 def united(
-    named: Sequence[tuple[str, Outline]], polygons: Sequence[shapely.Polygon], plate: shapely.Polygon, tolerance: float
+    named: Sequence[tuple[str, Outline]],
+    polygons: Sequence[shapely.Polygon],
+    plate: shapely.Polygon,
+    tolerance: float,
 ) -> tuple[list[tuple[str, Outline]], list[str]]:
     """Outlines with their names, those that overlap in the plate as one; and what is wrong with their unions.
 

@@ -9,33 +9,22 @@ All lengths are in pixels.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.contours.flanks import STEP, Flank, Noise, at_index, crossing, flank_beside
+
 Array = NDArray[np.float64]
 
-#: distance between the points of a contour
-STEP = 0.5
 #: smallest turn at a vertex, rad: a flatter corner (opening 163 degrees) hardly raises the stress
 SMALLEST_TURN = 0.3
 #: and in standard deviations of the angle between the flanks
 CERTAIN = 4.0
 #: distances from a vertex at which its flanks may begin: beyond the blur, and beyond arcs of some radius
 GAPS = (2.0, 3.5, 6.0)
-#: lengths of flanks that are tried, one after the other, while a parabola follows them
-FLANKS = tuple(4.0 * 1.4**k for k in range(14))
-#: the shortest flank on which a parabola means anything
-SHORTEST_PARABOLA = 7.0
 #: vertices nearer to each other than this are one; and how far one may lie from the contour, beside its gap
 APART, AWAY = 3.0, 2.0
-#: longest flank at the end of a contour
-AT_END = 8.0
-#: by how much a flank may deviate from its parabola, in deviations of the contour
-FOLLOWS = 1.8
-#: standard deviations by which the bend of a flank must differ from zero
-BENT = 3.0
 #: a vertex bends with at most this share of its flanks' radius, and this radius: others are followed point by point
 TIGHT, LARGEST_RADIUS = 0.4, 6.0
 #: a bend that may have a larger radius than this may be a wave of the contour
@@ -50,13 +39,6 @@ CHORDS, CHORDS_SPREAD = 0.2, 0.1
 #: standard deviation 1 does, times tan(turn/2); computed
 BLURRED_TURN = (20.0, 45.0, 75.0, 90.0, 110.0, 130.0, 150.0, 160.0)
 BLURRED_RADIUS = (1.73, 1.78, 1.90, 2.01, 2.23, 2.65, 3.66, 5.0)
-
-
-class Noise(NamedTuple):
-    """Root mean square by which the points of a contour err, and the distance over which they err together."""
-
-    deviation: float
-    correlation: float
 
 
 @dataclass(frozen=True)
@@ -90,56 +72,6 @@ class Vertex:
     largest: float
     gap: float
     flanks: tuple[Flank, Flank]
-
-
-@dataclass(frozen=True)
-class Flank:
-    """Parabola v(u) through contour points, u from its first point away from the vertex.
-
-    Attributes
-    ----------
-    origin, along : ndarray (2,)
-        Its first point, and the direction of u.
-    coefficients : ndarray (3,)
-        Of v, highest power first; the first one is 0 on a straight flank.
-    covariance : ndarray (3, 3)
-        Of the coefficients.
-    length : float
-        Of the contour that it follows.
-    rest : float
-        Root mean square of its distance from the points.
-    """
-
-    origin: Array
-    along: Array
-    coefficients: Array
-    covariance: Array
-    length: float
-    rest: float
-
-    @property
-    def is_straight(self) -> bool:
-        """Whether its bend is not certain."""
-        return bool(self.coefficients[0] == 0.0)
-
-    def points(self, u: Array) -> Array:
-        """Points (n, 2) at some u (n,)."""
-        across = np.array([-self.along[1], self.along[0]])
-        v = np.polyval(self.coefficients, u)
-        return self.origin + np.asarray(u)[:, None] * self.along + v[:, None] * across
-
-    def direction(self, u: float) -> Array:
-        """Unit tangent (2,) at u, away from the vertex."""
-        across = np.array([-self.along[1], self.along[0]])
-        t = self.along + np.polyval(np.polyder(self.coefficients), u) * across
-        return t / np.hypot(*t)
-
-    def spread(self, u: float) -> tuple[float, float]:
-        """Standard deviations of the position and of the angle at u."""
-        place, slope = np.array([u * u, u, 1.0]), np.array([2 * u, 1.0, 0.0])
-        return float(np.sqrt(place @ self.covariance @ place)), float(
-            np.sqrt(slope @ self.covariance @ slope)
-        )
 
 
 def find_vertices(points: Array, closed: bool, noise: Noise, blur: float) -> list[Vertex]:
@@ -176,35 +108,12 @@ def find_vertices(points: Array, closed: bool, noise: Noise, blur: float) -> lis
     return sorted(found, key=lambda vertex: vertex.index)
 
 
-def evenly_spaced(points: Array, closed: bool) -> Array:
-    """Points (m, 2) about `STEP` apart along a contour through others (n, 2); both ends of an open one are kept."""
-    if closed:
-        points = np.vstack([points, points[:1]])
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    number = max(round(along[-1] / STEP), 8)
-    at = np.linspace(0.0, along[-1], number + 1)
-    even = np.column_stack([np.interp(at, along, coordinate) for coordinate in points.T])
-    return even[:-1] if closed else even
-
-
-def straight_flank(points: Array, noise: Noise) -> bool:
-    """Whether all of the points (n, 2), `STEP` apart, lie on a straight line but for their deviation."""
-    flank = _fitted(points, noise, STEP * (len(points) - 1))
-    return flank is not None and flank.is_straight
-
-
-def flank_at_end(points: Array, noise: Noise) -> Flank:
-    """A short flank from the first one of the points (n, 2) on; at least a line through the first few."""
-    found = _flank(points[: round(AT_END / STEP) + 1], False, 0, 1, 0.0, noise)
-    return found if found is not None else _line(points[: max(round(FLANKS[0] / STEP), 2)], noise)
-
-
 def _apart(one: float, other: float, n: int, closed: bool) -> float:
     gap = abs(one - other)
     return STEP * (min(gap, n - gap) if closed else gap)
 
 
-def _candidates(points: Array, closed: bool) -> Array:
+def _candidates(points: Array, closed: bool) -> NDArray[np.intp]:
     """Where the contour turns most within a few pixels: the strongest first."""
     n = len(points)
     near, far = round(1.0 / STEP), round(5.0 / STEP)
@@ -217,9 +126,7 @@ def _candidates(points: Array, closed: bool) -> Array:
         inner = (steps >= round(3.0 / STEP)) & (steps < n - round(3.0 / STEP))
     ahead, behind = ends[1] - ends[0], ends[2] - ends[3]
     turn = np.abs(
-        np.arctan2(
-            behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], (behind * ahead).sum(axis=1)
-        )
+        np.arctan2(behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], (behind * ahead).sum(axis=1))
     )
     turn[~inner] = 0.0
     reach = round(1.5 / STEP)
@@ -232,13 +139,14 @@ def _candidates(points: Array, closed: bool) -> Array:
 def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -> Vertex | None:
     """The vertex next to a point of the contour, None where it is smooth there."""
     for gap in GAPS:
-        flanks = [_flank(points, closed, i, side, gap, noise) for side in (-1, 1)]
-        if flanks[0] is None or flanks[1] is None:
+        ahead, after = (flank_beside(points, closed, i, side, gap, noise) for side in (-1, 1))
+        if ahead is None or after is None:
             continue
-        crossing = _crossing(flanks[0], flanks[1], gap)
-        if crossing is None:
+        flanks = (ahead, after)
+        met = crossing(flanks[0], flanks[1], gap)
+        if met is None:
             continue
-        (u_0, u_1), meeting = crossing
+        (u_0, u_1), meeting = met
         before, behind = -flanks[0].direction(u_0), flanks[1].direction(u_1)
         turn = float(np.arctan2(before[0] * behind[1] - before[1] * behind[0], before @ behind))
         (place_0, slope_0), (place_1, slope_1) = flanks[0].spread(u_0), flanks[1].spread(u_1)
@@ -247,29 +155,33 @@ def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -
             continue
         per_square = np.tan(abs(turn) / 2) - abs(turn) / 2
         number = round(gap / STEP)
-        around = points[_at(i + np.arange(-number, number + 1), len(points), closed)]
+        around = points[at_index(i + np.arange(-number, number + 1), len(points), closed)]
         sides = [flanks[1].points(np.linspace(0, u_1, 9)), flanks[0].points(np.linspace(u_0, 0, 9))]
         cut_off = -np.sign(turn) * _area(np.concatenate([around, *sides])) - CHORDS
         spread = np.linalg.norm(
-            [place_0 * gap / 2, place_1 * gap / 2, noise.deviation * np.sqrt(2 * gap * noise.correlation), CHORDS_SPREAD]
+            [
+                place_0 * gap / 2,
+                place_1 * gap / 2,
+                noise.deviation * np.sqrt(2 * gap * noise.correlation),
+                CHORDS_SPREAD,
+            ]
         )
-        blurred = blur * np.interp(np.degrees(abs(turn)), BLURRED_TURN, BLURRED_RADIUS) / np.tan(
-            abs(turn) / 2
+        blurred = (
+            blur * np.interp(np.degrees(abs(turn)), BLURRED_TURN, BLURRED_RADIUS) / np.tan(abs(turn) / 2)
         )
         square = cut_off / per_square - blurred**2
-        least, largest = (
-            np.sqrt(max(square + side * 2 * spread / per_square, 0.0)) for side in (-1.0, 1.0)
-        )
+        least, largest = (np.sqrt(max(square + side * 2 * spread / per_square, 0.0)) for side in (-1.0, 1.0))
         radius = float(np.sqrt(max(square, 0.0))) if least > 0 else 0.0
         bend = max(abs(2 * flank.coefficients[0]) for flank in flanks)
         if max(largest, blurred) * bend > TIGHT or radius > LARGEST_RADIUS or largest > UNSURE:
             continue
         if largest * np.tan(abs(turn) / 2) > gap + 1.0:
             continue  # an arc might reach into what was taken for flanks
-        if abs(turn) < GENTLE and _is_smooth(points, closed, i, gap, (flanks[0], flanks[1]), before + behind):
+        if abs(turn) < GENTLE and _is_smooth(points, closed, i, gap, flanks, before + behind):
             continue
-        bounds = (radius, float(least), float(largest))
-        return Vertex(int(i), meeting, turn, of_turn, *bounds, gap, (flanks[0], flanks[1]))
+        # within its own blur no picture tells a radius from a corner
+        bounds = (radius, float(least), max(float(largest), blur))
+        return Vertex(int(i), meeting, turn, of_turn, *bounds, gap, flanks)
     return None
 
 
@@ -278,7 +190,7 @@ def _is_smooth(
 ) -> bool:
     """Whether a polynomial across the bend follows flanks and contour between them about as well as the flanks do."""
     first, last = (round((gap + flank.length) / STEP) for flank in flanks)
-    around = points[_at(i + np.arange(-first, last + 1), len(points), closed)] - points[i]
+    around = points[at_index(i + np.arange(-first, last + 1), len(points), closed)] - points[i]
     along = along / np.hypot(*along)
     u, v = around @ along, around @ np.array([-along[1], along[0]])
     u = u / np.abs(u).max()
@@ -286,87 +198,6 @@ def _is_smooth(
     rest = v - powers @ np.linalg.lstsq(powers, v, rcond=None)[0]
     of_flanks = np.sqrt(np.mean([flank.rest**2 for flank in flanks]))
     return bool(np.sqrt((rest**2).mean()) < WORSE * of_flanks)
-
-
-def _at(index: NDArray[np.int64], n: int, closed: bool) -> NDArray[np.int64]:
-    return index % n if closed else np.clip(index, 0, n - 1)
-
-
-def _flank(points: Array, closed: bool, i: int, side: int, gap: float, noise: Noise) -> Flank | None:
-    """The longest flank that a parabola follows, from a gap beside a point on."""
-    n = len(points)
-    start = i + side * round(gap / STEP)
-    room = n // 2 if closed else (n - 1 - start if side > 0 else start)
-    best = None
-    for length in FLANKS:
-        number = round(length / STEP) + 1
-        if number > room + 1:
-            break
-        flank = _fitted(points[_at(start + side * np.arange(number), n, closed)], noise, length)
-        if flank is not None:
-            best = flank
-        elif length >= SHORTEST_PARABOLA:
-            break
-    return best
-
-
-def _fitted(points: Array, noise: Noise, length: float) -> Flank | None:
-    """A straight flank when that follows the points, else a parabola, else None."""
-    chord = points[-1] - points[0]
-    along = chord / max(np.hypot(*chord), 1e-12)
-    u, v = (points - points[0]) @ along, (points - points[0]) @ np.array([-along[1], along[0]])
-    line_rest = _least_squares(u, v, 1, noise)[2]
-    if length >= SHORTEST_PARABOLA:
-        parabola, covariance, rest = _least_squares(u, v, 2, noise)
-        bent = abs(parabola[0]) > BENT * np.sqrt(covariance[0, 0])
-        if bent or line_rest > FOLLOWS * noise.deviation:
-            if rest > FOLLOWS * noise.deviation:
-                return None
-            return Flank(points[0], along, parabola, covariance, length, rest)
-    return None if line_rest > FOLLOWS * noise.deviation else _line(points, noise)
-
-
-def _line(points: Array, noise: Noise) -> Flank:
-    chord = points[-1] - points[0]
-    length = float(np.hypot(*chord))
-    along = chord / max(length, 1e-12)
-    u, v = (points - points[0]) @ along, (points - points[0]) @ np.array([-along[1], along[0]])
-    line, covariance, rest = _least_squares(u, v, 1, noise)
-    return Flank(points[0], along, np.append(0.0, line), np.pad(covariance, ((1, 0), (1, 0))), length, rest)
-
-
-def _least_squares(u: Array, v: Array, degree: int, noise: Noise) -> tuple[Array, Array, float]:
-    """Coefficients, their covariance, and the root mean square of what they leave."""
-    powers = np.vander(u, degree + 1)
-    inverse = np.linalg.inv(powers.T @ powers)
-    fitted = inverse @ (powers.T @ v)
-    rest = float(np.sqrt(((v - powers @ fitted) ** 2).mean()))
-    return fitted, (noise.correlation / STEP) * max(rest, noise.deviation) ** 2 * inverse, rest
-
-
-def _crossing(one: Flank, other: Flank, gap: float) -> tuple[tuple[float, float], Array] | None:
-    """Where two flanks meet when they go on, None where they do not within reach."""
-    u = np.array([-gap, -gap])
-    for _ in range(30):
-        apart = one.points(u[:1])[0] - other.points(u[1:])[0]
-        slopes = [
-            flank.along
-            + np.polyval(np.polyder(flank.coefficients), value) * np.array([-flank.along[1], flank.along[0]])
-            for flank, value in zip((one, other), u, strict=True)
-        ]
-        jacobian = np.column_stack([slopes[0], -slopes[1]])
-        if abs(np.linalg.det(jacobian)) < 0.05:
-            return None
-        step = np.linalg.solve(jacobian, -apart)
-        u = u + step
-        if np.abs(u).max() > 20 * gap:
-            return None
-        if np.abs(step).max() < 1e-10:
-            break
-    # a vertex lies in front of both flanks, not much farther than the contour between them is long
-    if not (np.all(u < 0.5) and np.all(u > -2.5 * gap - 2.0)):
-        return None
-    return (float(u[0]), float(u[1])), one.points(u[:1])[0]
 
 
 def _area(points: Array) -> float:

@@ -50,7 +50,9 @@ def outline_error(task: Task, answer: Answer) -> np.ndarray:
         radius = outline.length / (2 * np.pi)
         of_tips = tips_error(accuracy, points, radius, material, task.average)
         # stress rises at most as the root of the notch's size, and as the ligament becomes thinner
-        of_offset = accuracy.offset * (0.5 / radius + 1 / np.maximum(task.paths.ligament[rows], accuracy.offset))
+        of_offset = accuracy.offset * (
+            0.5 / radius + 1 / np.maximum(task.paths.ligament[rows], accuracy.offset)
+        )
         result[rows] = np.minimum(np.hypot(of_waves, of_offset) + of_tips, 1.0)
     return result
 
@@ -95,9 +97,7 @@ def angle_error(opening: float, spread: float, size: float, material: Material) 
 
     def index(angle: float) -> float:
         angle = min(max(angle, 0.0), np.pi)
-        return float(
-            size ** (1 - singular_exponent(angle)) / critical_intensity(angle, material).k_1
-        )
+        return float(size ** (1 - singular_exponent(angle)) / critical_intensity(angle, material).k_1)
 
     return max(abs(index(opening + side * spread) / index(opening) - 1) for side in (-1, 1))
 
