@@ -10,10 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from slmm.threaded import threaded
+
 # a division by zero gives what is not finite, which is looked for afterwards; "contract" lets a product and a sum be
 # one instruction
 small = njit(cache=True, error_model="numpy", fastmath={"contract"})
-over_elements = njit(parallel=True, cache=True, error_model="numpy", fastmath={"contract"})
+over_elements = threaded(cache=True, error_model="numpy", fastmath={"contract"})
 
 #: det dX/dR over its largest entry to the power of the dimension: no element above this is degenerate
 SUSPECT = 1e-6

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from slmm.fem import voxel_kernels
 from slmm.fem.voxel_element import coefficients, plane_stress
 from slmm.fem.voxel_multigrid import PADDING, Multigrid, padded_zeros
+from slmm.threaded import number_of_threads
 
 
 class Load(Protocol):
@@ -131,7 +132,7 @@ def solve_voxels(
     problem = _pose(load, nx, ny, height, nu, E)
     density = padded_zeros(nx, ny, leading=())
     density[1:-4, 1:-4] = stiffness
-    threads = numba.get_num_threads()
+    threads = number_of_threads()
     try:
         u, iterations, residual = _conjugate_gradients(
             problem, density, width, height, nu, tol, max_iterations, degree

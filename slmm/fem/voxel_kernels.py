@@ -15,19 +15,11 @@ Sums are kept per row and added afterwards, so they do not depend on the number 
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
-import llvmlite.binding
 from numba import njit, prange
 
-# These loops read more arrays than LLVM is willing to check for overlap by default (8); without this option
-# it gives up vectorising them, which costs a factor of four.
-llvmlite.binding.set_option("slmm", "--runtime-memory-check-threshold=128")
-
-# Threads that wait should sleep: where others use the cores too, spinning made solves fifteen times slower.
-# Read when numba starts its threads, at the first parallel kernel.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+from slmm.threaded import threaded
 
 REASSOCIATE = {"reassoc", "contract", "nsz", "arcp"}  # but keep NaN and infinity: they must not pass unseen
 # "numpy": a division must not be able to raise, or the loop around it stays scalar
@@ -38,7 +30,7 @@ OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
 }
 row_kernel = njit(**OPTIONS)
-grid_kernel = njit(parallel=True, **OPTIONS)
+grid_kernel = threaded(**OPTIONS)
 inlined = njit(inline="always", **OPTIONS)  # LLVM alone finds these bodies too long, and a call stops it too
 
 

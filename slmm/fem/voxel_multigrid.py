@@ -17,6 +17,7 @@ from scipy.sparse.linalg import splu
 
 from slmm.fem import voxel_kernels, voxel_stencil
 from slmm.fem.voxel_element import coefficients, largest_eigenvalue
+from slmm.threaded import number_of_threads
 
 Field = NDArray[np.float32]
 
@@ -90,7 +91,7 @@ class Multigrid:
         self.free, self.columns = _free(free_rows, free_sides, nx)
         self.bound = largest_eigenvalue(hx, hy, nu)
         self.degree = degree
-        self._threads = numba.get_num_threads()
+        self._threads = number_of_threads()
         self.u = padded_zeros(nx, ny)
         self.other = padded_zeros(nx, ny)
         self.products = np.zeros(ny + PADDING)

@@ -16,6 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from slmm.threaded import threaded
+
 #: Burgers direction: a piece that opens, or one that slides
 OPENING, SLIDING = 0, 1
 
@@ -128,7 +130,7 @@ def mirror_stress(at, depths, R, mu, kappa):
     return result
 
 
-@njit(parallel=True, cache=True)
+@threaded(cache=True)
 def dipoles_on_boundary(points, normals, nodes, origin, along, depths, R, mu, kappa):
     """Tractions and displacements on a boundary of dipoles at some depths, first all that open, then all that slide.
 

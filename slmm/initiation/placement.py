@@ -13,6 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
+from slmm.threaded import threaded
+
 #: cell height and length in the image space (Paper A, Table 1)
 CELL_HEIGHT = 2.0
 CELL_LENGTH = 2.0
@@ -179,7 +181,7 @@ def _check(breaks, coefficients, s, height, rule, c_min, c_max, solid, hx, hy):
     return -1, c
 
 
-@njit(parallel=True, cache=True)
+@threaded(cache=True)
 def grow_cells(breaks, coefficients, s, first_height, largest_height, rule, c_min, c_max, solid, hx, hy):
     """Largest valid cell at each position (the loop of Eq. 27).
 
@@ -228,7 +230,7 @@ def grow_cells(breaks, coefficients, s, first_height, largest_height, rule, c_mi
     return height, curvature, stopped
 
 
-@njit(parallel=True, cache=True)
+@threaded(cache=True)
 def boundary_points(breaks, coefficients, s, height, rule):
     """Fitted curvatures and the points on the three straight edges of cells of given height.
 
@@ -263,7 +265,7 @@ def boundary_points(breaks, coefficients, s, height, rule):
     return curvature, points
 
 
-@njit(parallel=True, cache=True)
+@threaded(cache=True)
 def fit_cells(breaks, coefficients, s, height, curvature, powers_xi, powers_eta, u):
     """Reference point displacements of cells of given height (Eq. 24), in the image space.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit, prange
 
 from slmm.optimization.column_kernels import eliminate
+from slmm.threaded import threaded
 
 #: where the nodes of a cell stand in the grid of nodes, from its upper left one
 _NODES = np.array([(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)])
@@ -53,7 +54,7 @@ def strains_of_cells(strains, displacements, places, on_left):
     return result
 
 
-@njit(parallel=True, cache=True, error_model="numpy", fastmath={"contract"})
+@threaded(cache=True, error_model="numpy", fastmath={"contract"})
 def strains_of_pairs(strains, near, reach, places, on_left):
     """Strains, and work of the weight, of every cell by unit stresses, and by the weight, of those left of it.
 
@@ -96,7 +97,7 @@ def strains_of_pairs(strains, near, reach, places, on_left):
     return result
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@threaded(cache=True, error_model="numpy")
 def sag_changes(flips, centre, touching, pairs, own, strains, least):
     """What neighbours sag more than the centre (n,), and what round-off in the pairs is multiplied by (n,).
 

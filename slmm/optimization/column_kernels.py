@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from slmm.threaded import threaded
+
 kernel = njit(cache=True, error_model="numpy")
 
 
@@ -167,7 +169,7 @@ def endpoint_displacement(design, K_cell, f_cell):
     return value
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@threaded(cache=True, error_model="numpy")
 def endpoint_displacements(designs, K_cell, f_cell):
     """Sag of each design; NaN for those that are not valid."""
     result = np.empty(len(designs))
@@ -179,7 +181,7 @@ def endpoint_displacements(designs, K_cell, f_cell):
     return result
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@threaded(cache=True, error_model="numpy")
 def all_connected(designs):
     """See `connected`, of each design (n, rows, columns)."""
     result = np.empty(len(designs), dtype=np.bool_)

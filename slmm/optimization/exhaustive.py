@@ -17,6 +17,7 @@ from numba import njit, prange
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.column_kernels import eliminate
 from slmm.optimization.halves import EMPTY, HELD, Halves, counted, fits, left_halves, right_halves
+from slmm.threaded import threaded
 
 #: right halves that are worked on side by side
 LANES = 128
@@ -196,7 +197,7 @@ def _runs(sorted_values: np.ndarray) -> Iterator[tuple[int, slice]]:
         yield int(value), slice(low, high)
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@threaded(cache=True, error_model="numpy")
 def _reduced(K, V, value, which, gone, kept):
     """Halves with some unknowns eliminated: upper triangles by rows (n, k (k + 1)/2), loads (n, k, 2), value (n,)."""
     n, k = len(gone) + len(kept), len(kept)
@@ -247,7 +248,7 @@ def _add_quotients(target, a, b, pivot, width):
         target[l] += a[l] * b[l] / pivot[l]
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@threaded(cache=True, error_model="numpy")
 def _paired(A_left, f_left, A_right, f_right, t_right, value):
     """Sag of the corner (left, right) of all pairs; of the right halves unknowns come first, halves last."""
     lefts, rights = len(A_left), len(value)

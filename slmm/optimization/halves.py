@@ -18,6 +18,7 @@ from numba import njit, prange
 
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.column_kernels import add_column, column_places, eliminate
+from slmm.threaded import threaded
 
 #: of a column's cells from the top: no cell, a cell that is held, and from 2 on the number of a part that is not
 EMPTY, HELD = 0, 1
@@ -113,7 +114,7 @@ def fits(left: list[Profile], right: list[Profile]) -> np.ndarray:
     return _all_fit(np.array(left), np.array(right))
 
 
-@njit(parallel=True, cache=True)
+@threaded(cache=True)
 def _all_fit(left, right):
     result = np.empty((len(left), len(right)), dtype=np.bool_)
     for i in prange(len(left)):
@@ -233,7 +234,7 @@ def _columns(beam: Cantilever, towards_right: bool) -> tuple[np.ndarray, np.ndar
     return np.array(K), np.array(V)
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@threaded(cache=True, error_model="numpy")
 def _condensed(K, V, value, K_column, V_column, parent, pattern):
     """Halves with one more column each, their former lines eliminated."""
     m = K.shape[1]
