@@ -13,6 +13,7 @@ from typing import Protocol
 import numba
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from slmm.fem import voxel_kernels
 from slmm.fem.voxel_element import coefficients, plane_stress
@@ -38,6 +39,16 @@ class Load(Protocol):
 
 class NotConvergedError(RuntimeError):
     """The voxel solver did not reach its tolerance."""
+
+
+class NotHeldError(ValueError):
+    """Material hangs on nothing but the void: no solver can tell where it is."""
+
+
+#: conjugate gradient iterations after which the multigrid cycle becomes dearer and better, each time (chosen)
+PATIENCE = 20
+#: how many times it does (chosen: a cycle then costs four times the first)
+STRENGTHENED = 2
 
 
 @dataclass(frozen=True)
@@ -86,7 +97,7 @@ def solve_voxels(
     E: float = 1.0,
     tol: float = 1e-8,
     max_iterations: int = 200,
-    degree: int = 3,
+    degree: int | None = None,
 ) -> VoxelSolution:
     """Displacements of a plate of voxels in plane stress.
 
@@ -107,16 +118,18 @@ def solve_voxels(
         Relative residual to reach; see ``VoxelSolution.residual``.
     max_iterations : int
         Conjugate gradient iterations after which to give up.
-    degree : int
-        Degree of the Chebyshev smoother.
+    degree : int, optional
+        Degree of the Chebyshev smoother; by default what `smoother_degree` says.
 
     Raises
     ------
     ValueError
         When an argument is out of range, or a stress load is not in equilibrium because notches cut the top
         and the bottom edge differently.
+    NotHeldError
+        When they do not suffice because pieces of the material are joined by void alone.
     NotConvergedError
-        When ``max_iterations`` do not suffice.
+        When ``max_iterations`` do not suffice for another reason.
 
     Examples
     --------
@@ -127,11 +140,16 @@ def solve_voxels(
     array([0. , 0.2])
     """
     stiffness = np.asarray(stiffness)
-    _check(stiffness, width, height, nu, E, tol, max_iterations, degree)
+    _check(stiffness, width, height, nu, E, tol, max_iterations, 1 if degree is None else degree)
     ny, nx = stiffness.shape
-    problem = _pose(load, nx, ny, height, nu, E)
+    # in units in which voxels and the stiffest of them are one: far from it, single precision over- or underflows
+    unit, stiffest = math.sqrt(width / nx * (height / ny)), float(stiffness.max())
+    width, height = width / unit, height / unit
     density = padded_zeros(nx, ny, leading=())
-    density[1:-4, 1:-4] = stiffness
+    density[1:-4, 1:-4] = stiffness / stiffest
+    problem = _pose(load, nx, ny, height * unit, nu, E)
+    if degree is None:
+        degree = smoother_degree(width / nx, height / ny, nu)
     threads = number_of_threads()
     try:
         u, iterations, residual = _conjugate_gradients(
@@ -140,13 +158,30 @@ def solve_voxels(
     finally:
         numba.set_num_threads(threads)
     if not residual <= tol:
+        _check_held(stiffness)
         raise NotConvergedError(
             f"{nx} x {ny} voxels: residual {residual:.1e} after {iterations} iterations, {tol:.1e} wanted; "
-            f"allow more or make the void stiffer (now {stiffness.min():.1e}); is the plate in one piece?"
+            f"allow more or make the void stiffer (now {stiffness.min():.1e})"
         )
-    solution = np.multiply(np.moveaxis(u[:, 1:-3, 1:-3], 0, 2), problem.scale, order="C")
+    solution = np.multiply(np.moveaxis(u[:, 1:-3, 1:-3], 0, 2), problem.scale * unit, order="C")
     _remove_rigid(solution, problem.rigid, width, height)
     return VoxelSolution(solution, iterations, residual, True)
+
+
+def smoother_degree(hx: float, hy: float, nu: float) -> int:
+    """Degree of the Chebyshev smoother that voxels hx by hy of Poisson's ratio nu (plane stress) need.
+
+    A voxel that hardly changes its area resists bending, the more the larger it is, so the coarse grids are too
+    stiff for long waves of shear and leave them to the smoother. Those are softer than what it is made for by
+    the ratio of bulk to shear modulus, and, in voxels that are not square, by the square of their sides' ratio;
+    the degree has to grow with its root.
+
+    Examples
+    --------
+    >>> smoother_degree(1.0, 1.0, 0.35), smoother_degree(1.0, 1.0, 0.98), smoother_degree(3.0, 1.0, 0.35)
+    (3, 10, 5)
+    """
+    return max(3, math.ceil(max(hx / hy, hy / hx) * math.sqrt((1 + nu) / (1 - nu))))
 
 
 def _conjugate_gradients(
@@ -178,6 +213,12 @@ def _conjugate_gradients(
         if problem.traction:
             _apply_traction(r, density, hx)
         voxel_kernels.subtract_force(density, u, r, r_single, c, free, columns, sums)
+        if problem.rigid:
+            # rounding leaves each node a share of a force that nothing can carry; summed over a million nodes
+            # it is what conjugate gradients would diverge on, once the rest has gone below it
+            forces = np.moveaxis(r[:, 1:-3, 1:-3], 0, 2)
+            _remove_rigid(forces, problem.rigid, width, height)
+            r_single[...] = r
         return math.sqrt(sums[1 : ny + 2].sum())
 
     _set_affine(u, width, height, problem.start)
@@ -193,10 +234,26 @@ def _conjugate_gradients(
         voxel_kernels.advance(density, p, u, r, r_single, c, step, free, columns, sums)
         residual = math.sqrt(sums[1 : ny + 2].sum()) / reference
         iterations, previous = iterations + 1, product
+        if iterations % PATIENCE == 0 and iterations <= STRENGTHENED * PATIENCE:
+            # the directions so far belong to another preconditioner
+            multigrid.strengthen()
+            previous = np.inf
         if residual <= tol:
             # what the recursion claims has to be true of u itself; if not, start over from here
             residual, previous = balance() / reference, np.inf
     return u, iterations, residual
+
+
+def _check_held(stiffness: NDArray) -> None:
+    """Refuse material in pieces, once a solve has failed: whatever is much stiffer than the void counts."""
+    pieces, number = ndimage.label(stiffness > math.sqrt(stiffness.min() * float(stiffness.max())))
+    if number > 1:
+        sizes = np.bincount(pieces.ravel())[1:]
+        raise NotHeldError(
+            f"the material of {stiffness.shape[1]} x {stiffness.shape[0]} voxels is in {number} pieces with"
+            f" nothing but void between them, the largest of {sizes.max()} voxels, the smallest of {sizes.min()}:"
+            " join them, or take away what nothing holds"
+        )
 
 
 def _check(

@@ -122,11 +122,11 @@ def residual_row(i, density, u, b, c, free, columns, out):
 def stencil_row(i, density, c, out):
     """The 19 numbers per node of row i (see voxel_stencil) that these densities amount to."""
     low, high = density[i - 1], density[i]
-    P, M = c[8], c[9]
+    P, M, one = c[8], c[9], c[10]  # sums of densities in the precision of the coefficients, as above
     out[:, 0] = 0
     out[:, -1] = 0
     for j in range(1, out.shape[1] - 1):
-        ll, lr, ul, ur = low[j - 1], low[j], high[j - 1], high[j]
+        ll, lr, ul, ur = one * low[j - 1], one * low[j], one * high[j - 1], one * high[j]
         out[0, j] = c[0] * (ll + lr + ul + ur)
         out[1, j] = P * (ll - lr - ul + ur)
         out[2, j] = c[4] * (ll + lr + ul + ur)

@@ -3,6 +3,10 @@
 Galerkin coarse grids, bilinear interpolation, and Chebyshev polynomials of the fourth kind over Jacobi as
 smoother (J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30,
 2023). They need a bound of the largest eigenvalue only, so nothing has to be estimated.
+
+The coarse grids' stencils are computed in double precision, each from the finer one, and only then rounded for
+the cycle. What is soft about a plate (it bends, it turns freely, its voids) is a difference of stiff entries; in
+single precision it drowned after a few grids, and models of a million voxels under a stress did not converge.
 """
 
 from __future__ import annotations
@@ -87,46 +91,58 @@ class Multigrid:
         """Build all coarse grids and factorise the coarsest."""
         hx, hy = width / nx, height / ny
         self.density = density
-        self.coefficients = coefficients(hx, hy, nu).astype(np.float32)
+        exact = coefficients(hx, hy, nu)
+        self.coefficients = exact.astype(np.float32)
         self.free, self.columns = _free(free_rows, free_sides, nx)
         self.bound = largest_eigenvalue(hx, hy, nu)
         self.degree = degree
+        self._cycles_on_first = 1  # corrections by the first coarse grid in a cycle; two on all others
         self._threads = number_of_threads()
         self.u = padded_zeros(nx, ny)
         self.other = padded_zeros(nx, ny)
         self.products = np.zeros(ny + PADDING)
         self.grids: list[Grid] = []
+        stencil: NDArray[np.float64] | None = None  # of the coarsest grid so far
         x, y = np.linspace(0, width, nx + 1), np.linspace(0, height, ny + 1)
         while len(x) * len(y) > DIRECT and min(len(x), len(y)) > 3:
             weights_x, weights_y = _weights(x), _weights(y)
             x, y, rows = _every_second(x), _every_second(y), _every_second(np.arange(free_rows.shape[1]))
             free_rows = free_rows[:, rows]
-            self._append_grid(len(x) - 1, len(y) - 1, weights_x, weights_y, free_rows, free_sides)
-        self._factorise(x, y, free_rows, free_sides, rigid)
+            nx, ny = len(x) - 1, len(y) - 1
+            coarse = np.zeros((ny + PADDING, 19, nx + PADDING))
+            self.share_work(coarse[:, 0][None])
+            if stencil is None:
+                voxel_stencil.coarsen_voxels(density, exact, weights_x, weights_y, coarse)
+            else:
+                voxel_stencil.coarsen_stencil(stencil, weights_x, weights_y, coarse)
+            stencil = coarse
+            self._append_grid(stencil, nx, ny, weights_x, weights_y, *_free(free_rows, free_sides, nx))
+        if stencil is None:
+            stencil = np.zeros((ny + PADDING, 19, nx + PADDING))
+            for i in range(1, ny + 2):
+                voxel_kernels.stencil_row(i, density, exact, stencil[i])
+        self._factorise(stencil, x, y, free_rows, free_sides, rigid)
 
     def _append_grid(
         self,
+        stencil: NDArray[np.float64],
         nx: int,
         ny: int,
-        weights_x: Field,
-        weights_y: Field,
-        free_rows: NDArray[np.bool_],
-        free_sides: bool,
+        weights_x: NDArray[np.float64],
+        weights_y: NDArray[np.float64],
+        free: Field,
+        columns: Field,
     ) -> None:
-        stencil = np.zeros((ny + PADDING, 19, nx + PADDING), np.float32)
-        self.share_work(stencil[:, 0][None])
-        if self.grids:
-            voxel_stencil.coarsen_stencil(self.grids[-1].stencil, weights_x, weights_y, stencil)
-        else:
-            voxel_stencil.coarsen_voxels(self.density, self.coefficients, weights_x, weights_y, stencil)
-        free, columns = _free(free_rows, free_sides, nx)
+        rounded = stencil.astype(np.float32)
         b, u, other = (padded_zeros(nx, ny) for _ in range(3))
-        bound = _largest_eigenvalue(stencil, free, columns, u)
+        bound = _largest_eigenvalue(rounded, free, columns, u)
         u[:] = 0
-        self.grids.append(Grid(stencil, free, columns, weights_x, weights_y, bound, b, u, other))
+        wx, wy = weights_x.astype(np.float32), weights_y.astype(np.float32)
+        self.grids.append(Grid(rounded, free, columns, wx, wy, bound, b, u, other))
 
     def _factorise(
         self,
+        stencil: NDArray[np.float64],
         x: NDArray[np.float64],
         y: NDArray[np.float64],
         free_rows: NDArray[np.bool_],
@@ -134,22 +150,16 @@ class Multigrid:
         rigid: tuple[str, ...],
     ) -> None:
         """LU of the coarsest grid; rigid motions that nothing holds are fixed by Lagrange multipliers."""
-        nx, ny = len(x) - 1, len(y) - 1
-        if self.grids:
-            stencil = self.grids[-1].stencil.astype(float)
-        else:
-            stencil = np.zeros((ny + PADDING, 19, nx + PADDING))
-            for i in range(1, ny + 2):
-                voxel_kernels.stencil_row(i, self.density, self.coefficients.astype(float), stencil[i])
+        nx = len(x) - 1
         A = _matrix(stencil[1:-3, :, 1:-3])
         unknown = np.repeat(free_rows[:, :, None], nx + 1, axis=2)
         if not free_sides:
             unknown[:, :, [0, -1]] = False
         self._unknown = np.flatnonzero(unknown)
         A = A[self._unknown][:, self._unknown]
-        # float32 spoils the last digits of the stencils, all that the void has: keep it from turning indefinite.
-        # With 1e-6, 4 of 200 random notches under a stress or a displacement did not converge; 1e-3 costs nothing.
-        A = A + sp.diags_array(1e-3 * A.diagonal())
+        # A cycle in single precision cannot tell softer motions from its own rounding, and must not magnify that:
+        # with 1e-10, 2 of 150 random plates did not converge. With 1e-3, slender plates were too stiff to bend.
+        A = A + sp.diags_array(1e-6 * A.diagonal())
         motions = _rigid_motions(x, y, rigid)[:, self._unknown]
         self._multipliers = len(motions)
         if self._multipliers:
@@ -195,6 +205,14 @@ class Multigrid:
             u, other = other, u
         return u, float(self.products.sum())
 
+    def strengthen(self) -> None:
+        """Make the cycle dearer and better from here on: twice the degree, no less than two cycles on any coarse grid.
+
+        For what coarse grids do not see, as gaps and ligaments of a voxel.
+        """
+        self.degree *= 2
+        self._cycles_on_first = 2
+
     def share_work(self, field: Field) -> None:
         """Set the number of threads to what a grid of this size is worth, at most what was set before."""
         numba.set_num_threads(max(1, min(self._threads, field[0].size // NODES_PER_THREAD)))
@@ -220,7 +238,7 @@ class Multigrid:
         wx, wy = coarser.weights_x, coarser.weights_y
         u, other = grid.u, grid.other
         steps = chebyshev_steps(self.degree, grid.bound)
-        for cycle in range(min(level, 1) + 1):
+        for cycle in range(self._cycles_on_first if level == 0 else 2):
             first = 0
             if cycle == 0:
                 voxel_stencil.smooth_from_zero(stencil, b, u, steps[0][1], free, columns)
@@ -265,11 +283,11 @@ def _every_second(nodes: NDArray) -> NDArray:
     return nodes[::2] if len(nodes) % 2 else np.append(nodes[::2], nodes[-1])
 
 
-def _weights(x: NDArray[np.float64]) -> Field:
+def _weights(x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights of the coarse neighbours of each odd node, in the layout of voxel_stencil."""
     left, middle = x[:-1:2], x[1::2]
     right = x[2::2] if len(x) % 2 else np.append(x[2::2], x[-1])
-    weights = np.zeros((2, len(middle) + 2), np.float32)
+    weights = np.zeros((2, len(middle) + 2))
     t = (middle - left) / (right - left)
     weights[:, 1:-1] = 1 - t, t
     return weights
