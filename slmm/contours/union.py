@@ -65,6 +65,8 @@ def _groups(
 ) -> list[list[int]]:
     """Numbers of the polygons that hang together, in order of the first one of each group."""
     group = list(range(len(polygons)))
+    if not group:
+        return []
     tree = shapely.STRtree(polygons)
     for i, k in sorted(zip(*tree.query(polygons, predicate="intersects"), strict=True)):
         if i >= k:

@@ -4,6 +4,7 @@ from PIL import Image
 
 from slmm.contours.image import outlines_in_picture
 from slmm.contours.picture import grey_values
+from slmm.scene import SceneError, read_scene
 
 
 def disc(size=60, center=(30, 30), radius=15):
@@ -24,6 +25,11 @@ def save(path, dark, **options):
 def test_inverted_colours_are_asked_about(tmp_path, dark):
     with pytest.raises(ValueError, match=r"dark = hole: are the colours inverted\?"):
         outlines_in_picture(save(tmp_path / "a.png", dark), 1.0, 60.0, 60.0)
+
+
+def test_the_inverted_picture_of_the_case_is_refused_with_the_question():
+    with pytest.raises(SceneError, match=r'holes\[0\]\.file = "inv.png": .* are the colours inverted\?'):
+        read_scene("../shared/cases/21-picture-inverted/a.toml")
 
 
 @pytest.mark.parametrize(("width", "margin"), [(1, 0), (3, 0), (3, 2)])

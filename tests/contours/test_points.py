@@ -3,6 +3,7 @@ import pytest
 
 from slmm.contours import shapes
 from slmm.contours.points import point_problems, polygon_problems, without_repetition
+from slmm.scene import read_scene
 
 RING = shapes.circle((50.0, 50.0), 5.0)[::6]
 SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
@@ -39,3 +40,8 @@ def test_a_corner_is_named_by_its_number_among_the_points_given():
     assert (
         "degrees at point 20, " in problem or "degrees at point 19, " in problem or "at point 21, " in problem
     )
+
+
+def test_the_file_of_the_case_is_a_circle():
+    (outline,) = read_scene("../shared/cases/15-near-equal-end-point/a.toml").outlines
+    assert outline.length == pytest.approx(10 * np.pi, rel=1e-5)
