@@ -213,7 +213,7 @@ class Multigrid:
         self.degree *= 2
         self._cycles_on_first = 2
 
-    def share_work(self, field: Field) -> None:
+    def share_work(self, field: np.ndarray) -> None:
         """Set the number of threads to what a grid of this size is worth, at most what was set before."""
         numba.set_num_threads(max(1, min(self._threads, field[0].size // NODES_PER_THREAD)))
 
