@@ -39,6 +39,8 @@ BORDER = 2.0
 BEYOND, FARTHEST_BEYOND = 1.0, 12.0
 #: outside the plate a notch is a polygon through the points beyond this distance, simplified to this deviation
 OUTSIDE, SIMPLIFIED = 4.0, 1.0
+#: farthest that an outline may lie from its contour: blur takes 0.8 of its standard deviation off a right angle
+DEPARTS = 2.0
 #: turn (rad) per piece up to which an outline of even pieces follows a bend
 FINEST = 0.2
 #: turn (rad) between neighbouring points at which even a smooth stretch is split
@@ -51,24 +53,51 @@ def traced_outline(contour: Contour, width: float, height: float, pixel_size: fl
     """Outline, in mm, of one dark area of a picture of some width and height, in pixels."""
     points = evenly_spaced(contour.points, closed=True)
     inside = _depth(points, width, height) > BORDER
-    if inside.all():
-        vertices = find_vertices(points, True, contour.noise, contour.blur)
-        marks = [_mark(vertex) for vertex in vertices]
-        stretches = [
-            stretch_between(points, True, one, other, contour)
-            for one, other in zip(marks, [*marks[1:], *marks[:1]], strict=True)
-        ]
-        corners: list[Vertex | None] = list(vertices)
-    else:
-        stretches, corners = _leaving(points, inside, width, height, contour)
-    if stretches:
+    left_out: list[Array] = []
+    while True:
+        stretches, corners = (
+            _closed(points, contour, left_out)
+            if inside.all()
+            else _leaving(points, inside, width, height, contour, left_out)
+        )
+        if not stretches:
+            break
         rounded, roots = with_arcs([stretch.points for stretch in stretches], corners)
+        rounded = [part for piece in rounded for part in _split_at_turns(piece)]
         ring = shapely.Polygon(np.concatenate([piece[:-1] for piece in rounded]))
-        if ring.is_valid and ring.area > 0.5 * shapely.Polygon(points).area:
+        away = shapely.distance(ring.exterior, shapely.points(points[inside]))
+        if ring.is_valid and away.max() <= DEPARTS:
             outline = Outline.of_pieces([piece * pixel_size for piece in rounded])
             return outline.with_accuracy(_accuracy(stretches, corners, roots, contour, pixel_size))
-    # no corner, or one too many for a shape of a few pixels
+        # a corner is none, or lies elsewhere: flanks a few pixels long may mislead
+        vertices = [vertex for vertex in corners if vertex is not None]
+        if not vertices:
+            break
+        worst = points[inside][int(away.argmax())]
+        left_out.append(min((vertex.point for vertex in vertices), key=lambda p: np.hypot(*(p - worst))))
     return _smooth_all_round(points, contour, pixel_size)
+
+
+def _closed(
+    points: Array, contour: Contour, left_out: list[Array]
+) -> tuple[list[Stretch], list[Vertex | None]]:
+    """Stretches of a contour within the plate, each with the vertex at which it begins."""
+    vertices = _vertices(points, True, contour, left_out)
+    marks = [_mark(vertex) for vertex in vertices]
+    following = [*marks[1:], *marks[:1]]
+    stretches = [
+        stretch_between(points, True, one, other, contour)
+        for one, other in zip(marks, following, strict=True)
+    ]
+    return stretches, list(vertices)
+
+
+def _vertices(points: Array, closed: bool, contour: Contour, left_out: list[Array]) -> list[Vertex]:
+    return [
+        vertex
+        for vertex in find_vertices(points, closed, contour.noise, contour.blur)
+        if all(np.hypot(*(vertex.point - other)) > 0.5 for other in left_out)
+    ]
 
 
 def _mark(vertex: Vertex) -> Mark:
@@ -82,7 +111,12 @@ def _depth(points: Array, width: float, height: float) -> Array:
 
 
 def _leaving(
-    points: Array, inside: NDArray[np.bool_], width: float, height: float, contour: Contour
+    points: Array,
+    inside: NDArray[np.bool_],
+    width: float,
+    height: float,
+    contour: Contour,
+    left_out: list[Array],
 ) -> tuple[list[Stretch], list[Vertex | None]]:
     """Stretches of a contour that leaves the plate, each with the vertex at which it begins: polygons outside."""
     first = int(np.argmin(inside))
@@ -92,7 +126,7 @@ def _leaving(
     along_runs = []
     for a, b in runs:
         run = points[a:b]
-        found = [_mark(vertex) for vertex in find_vertices(run, False, contour.noise, contour.blur)]
+        found = [_mark(vertex) for vertex in _vertices(run, False, contour, left_out)]
         ends = [_exit(part, width, height, contour.noise) for part in (run, run[::-1])]
         along_runs.append(
             [
@@ -156,14 +190,14 @@ def _smooth_all_round(points: Array, contour: Contour, pixel_size: float) -> Out
     return outline.with_accuracy(accuracy)
 
 
-def _split_at_turns(ring: Array) -> list[Array]:
-    """The closed points (n, 2) in pieces that end where no spline could follow."""
-    steps = np.diff(ring, axis=0)
+def _split_at_turns(points: Array) -> list[Array]:
+    """The points (n, 2) in pieces that end where no spline could follow."""
+    steps = np.diff(points, axis=0)
     before, behind = steps[:-1], steps[1:]
     cross = before[:, 0] * behind[:, 1] - before[:, 1] * behind[:, 0]
     sharp = 1 + np.flatnonzero(np.abs(np.arctan2(cross, (before * behind).sum(axis=1))) > SPLIT)
-    ends = np.concatenate([[0], sharp, [len(ring) - 1]])
-    return [ring[start : end + 1] for start, end in pairwise(ends.tolist())]
+    ends = np.concatenate([[0], sharp, [len(points) - 1]])
+    return [points[start : end + 1] for start, end in pairwise(ends.tolist())]
 
 
 def _accuracy(

@@ -171,6 +171,9 @@ def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -
         )
         square = cut_off / per_square - blurred**2
         least, largest = (np.sqrt(max(square + side * 2 * spread / per_square, 0.0)) for side in (-1.0, 1.0))
+        # within its own blur no picture tells a radius from a corner
+        least = float(least) if least > blur else 0.0
+        largest = max(float(largest), blur)
         radius = float(np.sqrt(max(square, 0.0))) if least > 0 else 0.0
         bend = max(abs(2 * flank.coefficients[0]) for flank in flanks)
         if max(largest, blurred) * bend > TIGHT or radius > LARGEST_RADIUS or largest > UNSURE:
@@ -179,8 +182,7 @@ def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -
             continue  # an arc might reach into what was taken for flanks
         if abs(turn) < GENTLE and _is_smooth(points, closed, i, gap, flanks, before + behind):
             continue
-        # within its own blur no picture tells a radius from a corner
-        bounds = (radius, float(least), max(float(largest), blur))
+        bounds = (radius, least, largest)
         return Vertex(int(i), meeting, turn, of_turn, *bounds, gap, flanks)
     return None
 
