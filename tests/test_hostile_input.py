@@ -1,6 +1,7 @@
 """Inputs that are no files, or not what they seem: refused by name, at once; texts are shown as they are."""
 
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -50,11 +51,12 @@ def refused(result, *words):
     assert result.exit_code == 2, result.output
     assert isinstance(result.exception, SystemExit)
     assert result.stdout == ""
-    assert result.stderr.startswith("error: ")
-    assert result.stderr.count("\n") == 1, result.stderr
-    assert len(result.stderr) < 1000
+    says = re.sub("compiling kernels, once.*\n", "", result.stderr)
+    assert says.startswith("error: ")
+    assert says.count("\n") == 1, says
+    assert len(says) < 1000
     for word in words:
-        assert word in result.stderr, result.stderr
+        assert word in says, says
     return True
 
 
@@ -174,7 +176,7 @@ def test_toml_that_programs_choke_on_is_refused(tmp_path, text, words):
 
 def test_text_that_is_no_utf_8_is_refused_by_its_line(tmp_path):
     (tmp_path / "s.toml").write_bytes(SCENE.encode() + b"# \xff\n")
-    assert refused(run("initiation", tmp_path / "s.toml"), "s.toml", "byte 0xff in line 16")
+    assert refused(run("initiation", tmp_path / "s.toml"), "s.toml", "byte 0xff in line 17")
 
 
 def test_what_is_too_large_is_not_read(tmp_path):

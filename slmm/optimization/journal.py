@@ -24,7 +24,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from slmm.input_file import check_input, shown
+from slmm.input_file import input_problem, shown
 from slmm.whole_file import NotWrittenError
 
 #: values wait this long to be written, s
@@ -106,8 +106,8 @@ def open_journal(path: str | Path, run: Mapping[str, Any], resume: bool = False)
     if not new:
         if not resume:
             raise ValueError(f"journal {shown(path)}: is there already; resume it, or name another file")
-        with _naming(path):
-            check_input(path)
+        if problem := input_problem(path):
+            raise ValueError(f"journal {shown(path)}: {problem}")
     with _naming(path):
         connection = sqlite3.connect(path, timeout=1.0, isolation_level=None)
     with closing(connection):
@@ -141,7 +141,7 @@ def _naming(path: Path) -> Iterator[None]:
         if getattr(error, "sqlite_errorcode", 0) & 0xFF in OF_THE_DISK:
             raise NotWrittenError(f"journal {shown(path)}: cannot be written: {error}") from error
         raise ValueError(f"journal {shown(path)}: cannot be read: {error}") from error
-    except (ValueError, FileNotFoundError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"journal {shown(path)}: {error}") from error
 
 
