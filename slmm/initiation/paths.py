@@ -18,6 +18,8 @@ LONGER = 4.0
 IN_LIGAMENT = 0.8
 #: a ligament's computed end is this near to the true outline, as a share of the plate's longer side
 CLOSE = 1e-5
+#: steps from a surface into the body, as shares of the plate's width and height together
+OFFSETS = (1e-4, 1e-5, 1e-6)
 
 
 class Paths(NamedTuple):
@@ -87,12 +89,19 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
     body = plate.difference(holes)
     cracks = shapely.MultiLineString([list(crack.points) for crack in scene.cracks])
     reach = scene.plate.width + scene.plate.height
-    start = points + 1e-4 * reach * direction
-    rays = shapely.linestrings(np.stack([start, points + reach * direction], axis=1))
-    result = np.empty(len(points))
-    for i, inside in enumerate(shapely.difference(shapely.intersection(rays, body), cracks)):
-        pieces = list(getattr(inside, "geoms", [inside]))
-        origin = shapely.Point(start[i])
-        first = min(pieces, key=lambda piece: piece.distance(origin))
-        result[i] = first.length + 1e-4 * reach if first.distance(origin) < 1e-6 * reach else 1e-4 * reach
+    result = np.full(len(points), OFFSETS[-1] * reach)
+    left = np.arange(len(points))
+    # the outlines' polygons are a little off the points; a ligament may be thinner than the first step into the body
+    for offset in OFFSETS:
+        start = points[left] + offset * reach * direction[left]
+        rays = shapely.linestrings(np.stack([start, points[left] + reach * direction[left]], axis=1))
+        reached = np.zeros(len(left), dtype=bool)
+        for k, inside in enumerate(shapely.difference(shapely.intersection(rays, body), cracks)):
+            pieces = list(getattr(inside, "geoms", [inside]))
+            origin = shapely.Point(start[k])
+            first = min(pieces, key=lambda piece: piece.distance(origin))
+            reached[k] = first.distance(origin) < 0.01 * offset * reach
+            if reached[k]:
+                result[left[k]] = first.length + offset * reach
+        left = left[~reached]
     return result
