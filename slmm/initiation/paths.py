@@ -23,6 +23,8 @@ FIRST_RAYS = 1 / 64
 PIECE = 50
 #: a ligament's computed end is this near to the true outline, as a share of the plate's longer side
 CLOSE = 1e-5
+#: steps from a surface into the body, as shares of the plate's width and height together
+OFFSETS = (1e-4, 1e-5, 1e-6)
 
 
 class Paths(NamedTuple):
@@ -90,13 +92,25 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
     plate = shapely.box(0, 0, scene.plate.width, scene.plate.height)
     rings = [outline.polygon(2000) for outline in scene.outlines]
     reach = scene.plate.width + scene.plate.height
-    step = 1e-4 * reach
-    start = points + step * direction
-    result = np.full(len(points), step)
-    left = np.flatnonzero(_in_the_body(start, plate, rings))
     surfaces = _pieces([np.array(plate.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)])
     lines = [*surfaces, *(shapely.LineString(crack.points) for crack in scene.cracks)]
     tree = shapely.STRtree(lines)
+    result = np.full(len(points), OFFSETS[-1] * reach)
+    todo = np.arange(len(points))
+    # the outlines' polygons are a little off the points; a ligament may be thinner than the first step into the body
+    for offset in OFFSETS:
+        start = points[todo] + offset * reach * direction[todo]
+        inside = _in_the_body(start, plate, rings)
+        found = todo[inside]
+        result[found] = offset * reach + _along_rays(start[inside], direction[found], tree, reach)
+        todo = todo[~inside]
+    return result
+
+
+def _along_rays(start: np.ndarray, direction: np.ndarray, tree: shapely.STRtree, reach: float) -> np.ndarray:
+    """Distances (n,) from points (n, 2) in the body along directions (n, 2) to the nearest line of a tree, mm."""
+    result = np.zeros(len(start))
+    left = np.arange(len(start))
     # short rays first: most end at a neighbour, and what lies farther away is not looked at
     length = FIRST_RAYS * reach
     while len(left) and length <= 2 * reach:  # a ray of that length has left the plate
@@ -106,7 +120,7 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
         nearest = np.full(len(left), np.inf)
         np.minimum.at(nearest, ray, shapely.distance(shapely.points(start[left[ray]]), hits))
         ended = np.isfinite(nearest)
-        result[left[ended]] += nearest[ended]
+        result[left[ended]] = nearest[ended]
         left, length = left[~ended], 2 * length
     return result
 

@@ -127,3 +127,15 @@ def test_ligaments_scale_with_the_plate(factor):
 
     assert found(factor) == pytest.approx(found(1.0), rel=1e-6)
     assert found(1.0) == pytest.approx([50.0, 43.75], rel=CHORDS)
+
+
+def test_ligament_thinner_than_a_step_into_the_body():
+    """Where a notch meets the plate's edge at an acute angle the path leaves the material at once."""
+    centre = np.array([3.0, 50.0])
+    scene = gallery.circular_hole(holes=[{"shape": "circle", "center": centre.tolist(), "radius": 10.0}])
+    angle = np.arccos(-0.3) - np.array([1e-2, 1e-3, 3e-4, 1e-4])
+    outward = np.column_stack([np.cos(angle), np.sin(angle)])
+    points = centre + 10.0 * outward
+    expected = to_edges(points, outward, 100.0, 100.0)
+    assert expected[-1] < 0.005
+    assert ligaments(scene, points, outward) == pytest.approx(expected, rel=0.05)
