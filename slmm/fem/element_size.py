@@ -55,11 +55,6 @@ class ElementSize:
         others = np.linalg.norm(self._points - point, axis=1) > 1e-9 * self.largest
         self._points, self._sizes = self._points[others], self._sizes[others]
 
-    def scale(self, factor: float) -> None:
-        """Multiply all that was prescribed, and the largest size."""
-        self.largest *= factor
-        self._sizes = factor * self._sizes
-
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Sizes (n,) at points (n, 2), mm."""
         return _sizes(np.ascontiguousarray(points), self._points, self._sizes, self.largest)

@@ -28,9 +28,9 @@ from slmm.fem.boundary import (
 )
 from slmm.fem.triangulation import MesherError, triangulated
 
-#: meshes that are tried, and by how much finer they are after the mesher has given up on one: whether it does is a
+#: meshes that are tried, and by how much more the body is turned (rad) for each: whether the mesher finds one is a
 #: matter of chance (chosen)
-ATTEMPTS, FINER = 8, 0.85
+ATTEMPTS, TURN = 8, 0.8
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ def plate_mesh(
     rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
     pieces = [piece for ring in rings for piece in ring]
 
-    for _ in range(ATTEMPTS):
+    for attempt in range(ATTEMPTS):
         parameters = [spaced(piece, outlines, size) for piece in pieces]
         points, segments, origin = boundary_segments(rings, parameters, outlines)
         n_boundary = len(segments)
@@ -217,21 +217,21 @@ def plate_mesh(
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         try:
-            vertices, triangles = triangulated(points, segments, n_boundary, size)
+            vertices, triangles = triangulated(points, segments, n_boundary, size, attempt * TURN)
         except MesherError as error:
             why = str(error)
-            size.scale(FINER)
             continue
         distance, of_point = cKDTree(vertices).query(points)
         kept = _are_edges(of_point[segments], triangles, len(vertices))
         if np.all(kept) and np.max(distance) <= 1e-9 * max(width, height):
+            vertices[of_point] = points  # exactly, also in a body that was turned
             break
         why = "the mesher cuts edges of the boundary, of cracks or of their path"
         # it wants shorter edges here than we gave
         ends = points[segments[~kept]]
         size.prescribe(ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / 2)
     else:
-        raise MesherError(f"{why}, after {ATTEMPTS} attempts with elements of {size.largest:.3g} mm at most")
+        raise MesherError(f"{why}, also of the body turned in {ATTEMPTS - 1} ways")
 
     on_outline = np.array([pieces[k].outline >= 0 for k, _ in origin])
     edge_s = np.array([parameters[k][i : i + 2] for k, i in origin])

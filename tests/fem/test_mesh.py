@@ -6,7 +6,9 @@ import shapely
 
 from slmm.contours.outline import Outline
 from slmm.contours.shapes import circle, ellipse, rectangle
+from slmm.fem.element_size import GROWTH
 from slmm.fem.mesh import PlateMesh, plate_mesh
+from slmm.fem.triangulation import MesherError, triangulated
 
 pytest.importorskip("netgen")
 
@@ -109,6 +111,58 @@ def test_a_crack_inside_the_plate_has_all_its_points_in_the_mesh_and_both_tips_f
     step = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert max(step[0], step[-1]) < 0.02 * step.max()
     assert areas(mesh).sum() == pytest.approx(7000.0)
+
+
+@pytest.mark.parametrize("radius", [5.0, 0.3466, 0.2955, 0.05, 0.0122, 0.005501])
+@pytest.mark.parametrize("angle_max", [0.12, 0.18])
+def test_elements_around_a_hole_grow_as_they_should_whatever_its_radius(radius, angle_max):
+    """Left to itself the mesher lets them grow up to ten times too fast, for some of these radii."""
+    mesh = plate_mesh(100.0, 100.0, [hole((30, 60), radius)], angle_max=angle_max)
+    corner = mesh.vertices[mesh.triangles]
+    longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=-1).max(axis=1)
+    away = np.linalg.norm(corner.mean(axis=1) - (30, 60), axis=1) - radius
+    wanted = np.minimum(100 / 12, angle_max * radius + GROWTH * np.maximum(away, 0.0))
+    assert np.max(longest / wanted) < 3.0
+    squares = ((corner - np.roll(corner, 1, axis=1)) ** 2).sum(axis=(1, 2))
+    assert np.min(4 * np.sqrt(3) * areas(mesh) / squares) > 0.4  # 1 is equilateral
+
+
+def test_a_path_much_coarser_than_its_hole_keeps_its_nodes_and_gets_more():
+    outline = hole((50, 40), 0.005)
+    path = path_from(outline.points(0.0), outline.normals(0.0), [0.0, 0.05, 0.06, 0.072, 0.0864, 0.1])
+    mesh = plate_mesh(100.0, 80.0, [outline], path)
+    points = mesh.vertices[mesh.path]
+    for point in path:
+        assert np.linalg.norm(points - point, axis=1).min() == 0
+    assert len(points) > 2 * len(path)
+
+
+def test_the_mesher_is_asked_again_with_a_turned_body_and_the_nodes_stay_exact(monkeypatch):
+    asked = []
+
+    def moody(points, segments, n_boundary, size, turn):
+        asked.append(turn)
+        if len(asked) < 3:
+            raise MesherError("the mesher failed: meshing failed")
+        return triangulated(points, segments, n_boundary, size, turn)
+
+    monkeypatch.setattr("slmm.fem.mesh.triangulated", moody)
+    path = path_from((70, 40), (1, 0), np.linspace(0, 5, 11))
+    mesh = plate_mesh(100.0, 80.0, [hole((50, 40), 20)], path)
+    assert len(set(asked)) == 3 and asked[0] == 0
+    assert np.array_equal(mesh.vertices[mesh.path], path)
+    corners = [(0, 0), (100, 0), (100, 80), (0, 80)]
+    assert all((mesh.vertices == corner).all(axis=1).any() for corner in corners)
+    assert np.all(areas(mesh) > 0)
+
+
+def test_a_mesher_that_never_succeeds_is_named(monkeypatch):
+    def never(*_):
+        raise MesherError("the mesher failed: meshing failed")
+
+    monkeypatch.setattr("slmm.fem.mesh.triangulated", never)
+    with pytest.raises(MesherError, match="also of the body turned in 7 ways"):
+        plate_mesh(10.0, 10.0)
 
 
 def test_what_cannot_be_meshed_is_refused_by_name():
