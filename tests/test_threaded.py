@@ -21,10 +21,14 @@ def squares(x):
 
 
 def test_an_import_changes_nothing():
-    code = (
-        "import os; before = dict(os.environ); import slmm, slmm.fem.voxel, slmm.optimization.exhaustive; "
-        "assert os.environ.get('OMP_WAIT_POLICY') == before.get('OMP_WAIT_POLICY'); from numba.np.ufunc import parallel; assert not parallel._is_initialized"
-    )
+    code = """if True:
+        import os
+        before = os.environ.get("OMP_WAIT_POLICY")
+        import slmm.fem.voxel, slmm.optimization.exhaustive
+        from numba.np.ufunc import parallel
+        assert os.environ.get("OMP_WAIT_POLICY") == before
+        assert not parallel._is_initialized
+    """
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
