@@ -24,8 +24,9 @@ from shapely import STRtree, prepare
 from shapely import polygons as polygons_of
 
 from slmm.contours import shapes
-from slmm.contours.checks import crack_problems, hole_problems, overlaps_united, position_problems
+from slmm.contours.checks import crack_problems, edges_of, hole_problems, overlaps_united, position_problems
 from slmm.contours.image import outlines_in_picture
+from slmm.contours.load_checks import load_problems
 from slmm.contours.outline import Outline
 from slmm.contours.points import point_problems, polygon_problems, read_points, without_repetition
 from slmm.encoding import without_control
@@ -495,6 +496,8 @@ class Scene(Table):
         if not problems and self.cracks:
             cracks = [np.array(crack.points) for crack in self.cracks]
             problems += crack_problems(cracks, self.outlines, width, height)
+        if not problems:
+            problems += load_problems(self.load, edges_of(self.outlines, width, height), width, height)
         if self.analysis.points is not None:
             problems += position_problems(np.array(self.analysis.points), width, height)
         if problems:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, STRtree, box, get_parts, unary_union
 from shapely.validation import explain_validity
 
+from slmm.contours.edges import Edges, material_on_edges
 from slmm.contours.outline import Outline
 from slmm.contours.union import united
 
@@ -167,6 +168,11 @@ def position_problems(points: Array, width: float, height: float) -> list[str]:
         f" (0 to {width:g}, 0 to {height:g})"
         for k in far
     ]
+
+
+def edges_of(outlines: Sequence[Outline], width: float, height: float) -> Edges:
+    """Where the edges of a plate with notches have material."""
+    return material_on_edges([_polygon(outline) for outline in outlines], width, height)
 
 
 def _polygon(outline: Outline) -> Polygon:

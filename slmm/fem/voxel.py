@@ -98,6 +98,7 @@ def solve_voxels(
     tol: float = 1e-8,
     max_iterations: int = 200,
     degree: int | None = None,
+    loaded: NDArray[np.float64] | None = None,
 ) -> VoxelSolution:
     """Displacements of a plate of voxels in plane stress.
 
@@ -113,13 +114,17 @@ def solve_voxels(
     load : object with ``strain``, ``displacement`` and ``stress``
         Exactly one of them is not None. strain: u_x = e_xx x + g_xy y / 2, u_y = g_xy x / 2 + e_yy y on all
         four edges. displacement: u_y of the top edge in mm, u_y = 0 at the bottom, sides and u_x free.
-        stress: normal traction in MPa on top and bottom, weighted with the stiffness of the edge's voxels.
+        stress: normal traction in MPa on top and bottom, see ``loaded``.
     tol : float
         Relative residual to reach; see ``VoxelSolution.residual``.
     max_iterations : int
         Conjugate gradient iterations after which to give up.
     degree : int, optional
         Degree of the Chebyshev smoother; by default what `smoother_degree` says.
+    loaded : (2, nx) array, optional
+        Share of the bottom and of the top edge of each column of voxels that a stress acts on; by default the
+        stiffness of the edge's voxels. A hole beside an edge, nearer than a voxel, takes from that and not from the
+        edge.
 
     Raises
     ------
@@ -150,10 +155,11 @@ def solve_voxels(
     problem = _pose(load, nx, ny, height * unit, nu, E)
     if degree is None:
         degree = smoother_degree(width / nx, height / ny, nu)
+    edges = density[[1, -5], 1:-4].astype(float) if loaded is None else np.asarray(loaded, dtype=float)
     threads = number_of_threads()
     try:
         u, iterations, residual = _conjugate_gradients(
-            problem, density, width, height, nu, tol, max_iterations, degree
+            problem, density, edges, width, height, nu, tol, max_iterations, degree
         )
     finally:
         numba.set_num_threads(threads)
@@ -187,6 +193,7 @@ def smoother_degree(hx: float, hy: float, nu: float) -> int:
 def _conjugate_gradients(
     problem: _Problem,
     density: NDArray[np.float32],
+    edges: NDArray[np.float64],
     width: float,
     height: float,
     nu: float,
@@ -211,7 +218,7 @@ def _conjugate_gradients(
         """Recompute the residual from u."""
         r.fill(0)
         if problem.traction:
-            _apply_traction(r, density, hx)
+            _apply_traction(r, edges, hx)
         voxel_kernels.subtract_force(density, u, r, r_single, c, free, columns, sums)
         if problem.rigid:
             # rounding leaves each node a share of a force that nothing can carry; summed over a million nodes
@@ -320,27 +327,22 @@ def _edge_forces(
     return math.sqrt(sides + 2 * width**2 / nx * (s_yy**2 + s_xy**2))
 
 
-def _apply_traction(loads: NDArray[np.float64], density: NDArray[np.float32], hx: float) -> None:
-    """Consistent nodal loads of a unit tension on the material of the top and bottom edge (for E = 1)."""
-    top, bottom = (_edge_loads(density[row].astype(float), hx) for row in (-5, 1))
+def _apply_traction(loads: NDArray[np.float64], edges: NDArray[np.float64], hx: float) -> None:
+    """Consistent nodal loads of a unit tension on the material of the bottom and top edge (for E = 1)."""
+    bottom, top = (hx / 2 * (np.append(share, 0.0) + np.insert(share, 0, 0.0)) for share in edges)
     x = np.arange(len(top)) - (len(top) - 1) / 2
     force, moment = top.sum() - bottom.sum(), x @ (top - bottom)
-    if max(abs(force), abs(moment) / len(x)) > 1e-3 * top.sum():
+    if not min(top.sum(), bottom.sum()) > 0 or max(abs(force), abs(moment) / len(x)) > 1e-3 * top.sum():
         raise ValueError(
             f"load.stress: the material of the top edge carries {top.sum():.6g}, that of the bottom edge "
             f"{bottom.sum():.6g} times the stress, and they are not in equilibrium (a notch cuts them "
             "differently); prescribe a displacement or a strain instead"
         )
-    # what is left is rounding of the densities, but a residual cannot fall below it: balance it exactly
+    # what is left is rounding of the shares, but a residual cannot fall below it: balance it exactly
     basis = np.array([bottom, bottom * x])
     bottom += np.linalg.solve(basis @ np.array([np.ones_like(x), x]).T, [force, moment]) @ basis
     loads[1, -4, 1:-3] += top
     loads[1, 1, 1:-3] -= bottom
-
-
-def _edge_loads(density: NDArray[np.float64], hx: float) -> NDArray[np.float64]:
-    loads: NDArray[np.float64] = hx / 2 * (density[:-4] + density[1:-3])
-    return loads
 
 
 def _energy_coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float32]:

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+import shapely
 from numba import njit
 from numpy.typing import NDArray
 
 from slmm.contours.coverage import area_fraction
+from slmm.contours.edges import material_on_edges, share_of_pieces
 from slmm.fem.voxel import Load, solve_voxels
 from slmm.material import Material
 
@@ -177,7 +179,13 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
     polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
     density = 1 - area_fraction(polygons, width, height, nx, ny)
     E, nu = scene.material.plane_stress_equivalent
-    solution = solve_voxels(void + (1 - void) * density, width, height, nu, scene.load, E=E, tol=tol)
+    loaded = None
+    if scene.load.stress is not None:
+        edges = material_on_edges([shapely.Polygon(polygon) for polygon in polygons], width, height)
+        loaded = np.stack([share_of_pieces(stretches, width, nx) for stretches in (edges.bottom, edges.top)])
+    solution = solve_voxels(
+        void + (1 - void) * density, width, height, nu, scene.load, E=E, tol=tol, loaded=loaded
+    )
     return LocalModel(solution.u, hx, hy, nx, ny, density, solution.iterations, solution.residual)
 
 
