@@ -64,8 +64,8 @@ def load_problems(load: Load, edges: Edges, width: float, height: float) -> list
     force, moment = (load.stress * value for value in (top - bottom, top_moment - bottom_moment))
     return [
         f"load.stress = {load.stress:g}: the notches leave {top:.6g} mm of the top edge and {bottom:.6g} mm of the"
-        f" bottom edge, so the stress on both is not in equilibrium: {force:.4g} N and {moment:.4g} N mm about the middle for"
-        " each mm of thickness are left; prescribe a displacement or a strain instead"
+        f" bottom edge, so the stress on both is not in equilibrium: {force:.4g} N and {moment:.4g} N mm about the"
+        " middle for each mm of thickness are left; prescribe a displacement or a strain instead"
     ]
 
 
