@@ -1,9 +1,8 @@
 """Values that no solid has: nearly always a unit that was mistaken for another one.
 
-The ranges are chosen, wider than what is published for solids. Young's modulus, strength and toughness from Ashby's
-charts (Materials Selection in Mechanical Design, 2011): 0.1 MPa of soft foams and gels to the 1.2e6 MPa of diamond; the
-toughness of rigid solids over their modulus ends at 0.005 sqrt(m), with polyethylene; elastomers, of less than 20 MPa,
-tear at 100 N/mm at most. Strength over modulus is 0.1 to 0.2 for perfect crystals, and more for elastomers alone.
+The ranges are chosen, not fitted, and wide: soft gels to diamond for Young's modulus, elastomers to perfect crystals for
+the strength over it. A value outside is no proof of a mistake, and one inside no proof of none: the tests list the
+materials and the mistakes that were thought of.
 """
 
 from __future__ import annotations
