@@ -1,7 +1,7 @@
 """Values that no solid has: nearly always a unit that was mistaken for another one.
 
-The ranges are chosen, not fitted, and wide: soft gels to diamond for Young's modulus, elastomers to perfect crystals for
-the strength over it. A value outside is no proof of a mistake, and one inside no proof of none: the tests list the
+The ranges are chosen, not fitted, and wide: soft gels to diamond for Young's modulus, elastomers to perfect crystals
+for the strength over it. A value outside is no proof of a mistake, and one inside no proof of none: the tests list the
 materials and the mistakes that were thought of.
 """
 
