@@ -20,6 +20,9 @@ LENGTHS, SPAN = 25, 120.0
 #: of a path through a ligament, up to its middle
 HALF_LENGTHS, HALF_SPAN = 20, 60.0
 
+#: stress that stands for none where its logarithm is taken, MPa; its square is not yet zero
+LEAST = 1e-100
+
 TOO_SHORT = "crack longer than the path"
 
 
@@ -103,7 +106,7 @@ def sampled(model: FullFEA, corner: float) -> PathCurves:
         sigma_error = np.interp(a, model.eta, model.sigma_I_error)
     else:
         # infinite at the mouth, where the model has none
-        sigma = np.exp(np.interp(logarithm, np.log(model.eta), np.log(np.maximum(model.sigma_I, 1e-300))))
+        sigma = np.exp(np.interp(logarithm, np.log(model.eta), np.log(np.maximum(model.sigma_I, LEAST))))
         sigma_error = np.interp(a, model.eta, model.sigma_I_error)
         sigma[a < model.a[0]] = np.inf
     G_error = np.interp(a, model.a, model.G_inc_error / np.maximum(model.G_inc, 1e-300))

@@ -1,0 +1,61 @@
+"""Method full-fea: paths that are long enough, up to those that sever the ligament."""
+
+import numpy as np
+import pytest
+
+from slmm import failure_indices, gallery
+from slmm.initiation import by_full_fea
+from slmm.initiation.by_full_fea import TOO_SHORT
+
+pytest.importorskip("netgen")
+
+E, SIGMA_C = 2960.0, 70.5
+
+
+def between_holes(l_ch, **changes):
+    """The middle of a ligament of 2 mm, in a material with this Irwin's length, mm."""
+    material = {"E": E, "nu": 0.35, "sigma_c": SIGMA_C, "G_c": l_ch * SIGMA_C**2 / E}
+    return gallery.two_holes(2.0, analysis={"points": [[49.0, 50.0]]}, material=material, **changes)
+
+
+def test_a_tough_ligament_breaks_at_once_and_its_index_is_that_of_the_energy():
+    """Both materials are too tough for any shorter crack; the energy grows with the load squared."""
+    one, other = (failure_indices(between_holes(l_ch), "full-fea").isel(position=0) for l_ch in (20.0, 80.0))
+    for result in (one, other):
+        assert result.status == "ok" and result.governed_by == "energy"
+        assert float(result.crack_length) == pytest.approx(2.0, rel=1e-4)
+        assert float(result.failure_index_error) < 0.01 * float(result.failure_index)
+    assert float(one.failure_index) == pytest.approx(2 * float(other.failure_index), rel=1e-6)
+
+
+def test_what_short_paths_say_stays_where_no_path_goes_through_the_ligament(monkeypatch):
+    def fails(*arguments):
+        raise ValueError("the path ends at a crack")
+
+    monkeypatch.setattr(by_full_fea, "ligament_end", fails)
+    result = failure_indices(between_holes(20.0), "full-fea", curves=True).isel(position=0)
+    assert result.status == TOO_SHORT and np.isnan(result.failure_index)
+    assert float(result.a[-1]) == pytest.approx(1.6, rel=1e-4)
+    bounded = failure_indices(between_holes(20.0), "auto").isel(position=0)
+    assert bounded.used_method == "bounds" and bounded.status == "ok"
+    monkeypatch.undo()
+    truth = failure_indices(between_holes(20.0), "full-fea").isel(position=0)
+    assert abs(float(bounded.failure_index - truth.failure_index)) <= float(bounded.failure_index_error)
+    assert float(bounded.failure_index_error) < float(bounded.failure_index)
+
+
+def test_a_load_that_carries_the_severed_part_away_needs_the_strength_alone():
+    """Between two notches under a stress: however tough, the energy has no end as the crack reaches the other one."""
+    notch = {"shape": "v-notch", "opening": 60.0, "radius": 1.0}
+    scene = gallery.circular_hole(
+        plate={"width": 20.0, "height": 40.0},
+        holes=[notch | {"tip": [x, 20.0], "direction": angle} for x, angle in ((5.0, 0.0), (15.0, 180.0))],
+        load={"stress": 10.0},
+        material={"E": E, "nu": 0.35, "sigma_c": SIGMA_C, "G_c": 1e4 * SIGMA_C**2 / E},
+        analysis={"points": [[5.0, 20.0]]},
+    )
+    result = failure_indices(scene, "full-fea", curves=True).isel(position=0)
+    assert result.status == "ok" and float(result.crack_length) > 9.0
+    least = float(result.sigma_I.min()) / SIGMA_C
+    assert 1.0 < least * SIGMA_C / 10.0 < 2.0  # in the middle, less than the mean of 20 MPa
+    assert float(result.failure_index) == pytest.approx(least, rel=0.01)
