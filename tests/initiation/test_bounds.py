@@ -56,13 +56,13 @@ def test_a_tough_material_that_no_method_answers_is_safe_by_its_strength():
 
 
 def test_a_mean_stress_is_bounded_by_the_largest_on_the_path():
-    scene = gallery.circular_hole(load={"stress": 1.0}, material={"name": "PMMA"})
+    tough = {"E": 2960.0, "nu": 0.35, "sigma_c": 70.5, "K_Ic": 28.0}
+    scene = gallery.circular_hole(load={"stress": 1.0}, material=tough)
     averaged = slmm.failure_indices(scene, "slmm+ac", positions=4, average=True)
     missing = averaged.status != "ok"
-    bound = averaged.failure_index_bound[missing].values
-    surface = 70.5 / np.array([3.1])
-    assert missing.any() is np.True_ or (averaged.status == "ok").all()
-    assert (bound <= 1.3 / surface).all()
+    assert missing.any()
+    largest = slmm.failure_indices(scene, "rankine", positions=4).failure_index.max()
+    assert float(averaged.failure_index_bound[missing].max()) == pytest.approx(float(largest), rel=0.02)
 
 
 def test_nothing_bounds_a_corner_or_what_knows_no_strength():
