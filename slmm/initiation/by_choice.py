@@ -17,6 +17,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
@@ -108,21 +109,22 @@ class _Choice:
         found = method(self.task.among(rows))
         known = self.answer
         has_value = found.status == "ok"
-        error = np.where(has_value, np.nan_to_num(found.error, nan=np.inf), np.inf)
-        before = np.where(known.status[rows] == "ok", np.nan_to_num(known.error[rows], nan=np.inf), np.inf)
+        error = np.where(has_value, np.nan_to_num(found.index_error, nan=np.inf), np.inf)
+        is_known = known.status[rows] == "ok"
+        before = np.where(is_known, np.nan_to_num(known.index_error[rows], nan=np.inf), np.inf)
         without = known.status[rows] != "ok"
         better = (has_value & (without | (error < before))) | (~has_value & without)
         known.take(rows[better], found.rows(better))
         self.settle()
         for k, i in enumerate(rows):
             if not self.settled[i]:
-                said = f"error {_percent(error[k])}" if has_value[k] else str(found.status[k])
+                said = f"error {_percent(found.error[k])}" if has_value[k] else str(found.status[k])
                 self.passed_over[i].append(f"{name}: {said}")
 
     def settle(self) -> None:
         """Find the positions whose error is small enough beside their index or the largest one."""
         allowed = self.task.tolerance * np.maximum(self.index, MATTERS * self.largest)
-        self.settled |= self.answer.error * self.index <= allowed
+        self.settled |= self.answer.index_error <= allowed
 
     def leave_out_negligible(self) -> None:
         """Give up where no value was found yet, and none could matter: the surface must reach the strength too."""
@@ -143,6 +145,8 @@ class _Choice:
                 says = f"{rest} ({goal} asked for)"
             elif self.answer.status[i] != "ok":
                 says = ELSEWHERE
+            elif self.answer.load_factor[i] == np.inf:
+                says = f"no tension, but for an index of {error:.2g}"
             elif error <= self.task.tolerance:
                 says = f"error {_percent(error)} within {goal}"
             else:
@@ -163,7 +167,11 @@ def _cells_or_strength(task: Task) -> Answer:
     except PoissonNotHeldError as error:
         answer.status[rows] = f"no cell: {error}"
         return answer
-    local, provenance = local_field(task)
+    try:
+        local, provenance = local_field(task)
+    except MesherError as error:
+        answer.status[rows] = f"no mesh: {error}"
+        return answer
     answer.provenance |= provenance
     if not task.average:
         strength_on(local, task, answer, rows)

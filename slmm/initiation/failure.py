@@ -234,7 +234,7 @@ def _dataset(task: Task, answer: Answer, curves: bool) -> xr.Dataset:
         "hole": where.hole,
         "curvature": answer.column("curvature"),
         "failure_index": failure_index,
-        "failure_index_error": failure_index * answer.error,
+        "failure_index_error": answer.index_error,
         "load_factor": answer.load_factor,
         "crack_length": answer.crack_length,
         "governed_by": np.array([GOVERNED_BY[code] for code in answer.governed_by]),
