@@ -11,6 +11,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.task import Answer, Task
 
 #: elements between a position and a corner or crack tip, at least, for its stress to be the surface's own
@@ -39,7 +40,7 @@ def upper_bounds(task: Task, answer: Answer, method: str) -> np.ndarray:
     with np.errstate(divide="ignore"):
         index = 1 / answer.load_factor
     missing = answer.status != "ok"
-    bound = np.where(missing, np.inf, index * (1 + np.nan_to_num(answer.error, nan=0.0)))
+    bound = np.where(missing, np.inf, index + np.nan_to_num(answer.index_error, nan=0.0))
     if method in NO_STRENGTH:
         return bound
     whole_path = task.average or method in ON_PATH
@@ -65,7 +66,7 @@ def _body_fitted(task: Task, whole_path: bool) -> np.ndarray:
     task.progress(0.9, f"strength at {task.n} positions without a value")
     try:
         model = body_fitted_model(task)
-    except RuntimeError:  # the mesher's; the positions keep no bound, and the summary says so
+    except MesherError:  # the mesher's; the positions keep no bound, and the summary says so
         return np.full(task.n, np.inf)
     paths = task.paths
     depths = paths.ligament[:, None] * (DEPTHS if whole_path else DEPTHS[:1])

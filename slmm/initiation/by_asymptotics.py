@@ -9,6 +9,7 @@ import numpy as np
 
 from slmm.contours.checks import TOLERANCE
 from slmm.fem.plate_model import PlateModel, principal_stress
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.asymptotics import (
     GeneralisedIntensity,
     blunted_curves,
@@ -138,7 +139,7 @@ def notch_model(task: Task, answer: Answer, notches: dict[int, VNotch]) -> BodyF
         sizes.append(np.full(len(points[-1]), size))
     try:
         model = solve_body_fitted(task.scene, fine_at=(np.concatenate(points), np.concatenate(sizes)))
-    except RuntimeError as error:
+    except MesherError as error:
         answer.status[list(notches)] = f"no mesh: {error}"
         return None
     answer.provenance |= {"local_model": "body-fitted", "nodes": len(model.fine.points)}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
 from slmm.initiation.criterion import STRESS
 from slmm.initiation.local_model import SMALLEST_SIDE, LocalField, solve_local_model
@@ -36,7 +37,11 @@ def by_cells(task: Task, auto_control: bool) -> Answer:
         return answer
     # refuses a Poisson's ratio that the voxel solver would fail at
     load_meta_model(task.scene.material.plane_stress_equivalent[1], task.database)
-    local, provenance = local_field(task)
+    try:
+        local, provenance = local_field(task)
+    except MesherError as error:
+        answer.status[rows] = f"no mesh: {error}"
+        return answer
     answer.provenance |= provenance
     task.progress(0.6, f"{len(rows)} positions")
     cells_on(local, task, auto_control, answer, rows)

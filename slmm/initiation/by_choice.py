@@ -22,6 +22,7 @@ from time import perf_counter
 
 import numpy as np
 
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
 from slmm.initiation.criterion import NONE
 from slmm.initiation.curves import index_bounds
@@ -127,21 +128,22 @@ class _Choice:
         known = self.answer
         known.spend({name: (len(rows), perf_counter() - began)})
         has_value = found.status == "ok"
-        error = np.where(has_value, np.nan_to_num(found.error, nan=np.inf), np.inf)
-        before = np.where(known.status[rows] == "ok", np.nan_to_num(known.error[rows], nan=np.inf), np.inf)
+        error = np.where(has_value, np.nan_to_num(found.index_error, nan=np.inf), np.inf)
+        is_known = known.status[rows] == "ok"
+        before = np.where(is_known, np.nan_to_num(known.index_error[rows], nan=np.inf), np.inf)
         without = known.status[rows] != "ok"
         better = (has_value & (without | (error < before))) | (~has_value & without)
         known.take(rows[better], found.rows(better))
         self.settle()
         for k, i in enumerate(rows):
             if not self.settled[i]:
-                said = f"error {_percent(error[k])}" if status[k] == "ok" else str(status[k])
+                said = f"error {_percent(found.error[k])}" if status[k] == "ok" else str(status[k])
                 self.passed_over[i].append(f"{name}: {said}")
 
     def settle(self) -> None:
         """Find the positions whose error is small enough beside their index or the largest one."""
         allowed = self.task.tolerance * np.maximum(self.index, MATTERS * self.largest)
-        self.settled |= self.answer.error * self.index <= allowed
+        self.settled |= self.answer.index_error <= allowed
 
     def settle_negligible(self) -> None:
         """Be content with bounds that keep the index far below the largest."""
@@ -159,6 +161,8 @@ class _Choice:
             error = self.answer.error[i]
             if not self.settled[i]:
                 says = f"{rest} ({goal} asked for)"
+            elif self.answer.load_factor[i] == np.inf:
+                says = f"no tension, but for an index of {error:.2g}"
             elif error <= self.task.tolerance:
                 says = f"error {_percent(error)} within {goal}"
             elif negligible[i]:
@@ -181,7 +185,11 @@ def _cells_or_strength(task: Task) -> Answer:
     except PoissonNotHeldError as error:
         answer.status[rows] = f"no cell: {error}"
         return answer
-    local, provenance = local_field(task)
+    try:
+        local, provenance = local_field(task)
+    except MesherError as error:
+        answer.status[rows] = f"no mesh: {error}"
+        return answer
     answer.provenance |= provenance
     if not task.average:
         strength_on(local, task, answer, rows)

@@ -6,8 +6,9 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from slmm.fem.plate_model import principal_stress
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
-from slmm.initiation.cell_errors import reference_stress
+from slmm.initiation.cell_errors import faded, reference_stress
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
 from slmm.initiation.meta_model import polynomial_matrix
@@ -41,7 +42,7 @@ def by_dislocations(task: Task, coarseness: float = 1.0) -> Answer:
         task.progress(0.0, "body-fitted model")
         try:
             model = body_fitted_model(task.among(rows), coarseness)
-        except RuntimeError as error:
+        except MesherError as error:
             answer.status[rows] = f"no mesh: {error}"
             return answer
         dislocations_on(model, task, answer, rows)
@@ -108,7 +109,11 @@ def sampled(found: DislocationCurves, reference: float) -> PathCurves:
     at_points = polynomial_matrix(found.eta, a[0])
     sigma, change = at_points @ found.sigma, at_points @ found.sigma_change
     principal = principal_stress(sigma)
-    largest = SAFETY * np.abs(change).max(axis=1) / np.maximum(np.abs(principal), 1e-300)
-    fade = np.clip(reference / np.maximum(np.abs(principal), 1e-300), 1.0, 1e3)
+    largest = np.abs(change).max(axis=1)
+    # under compression the largest component says nothing of the principal stress
+    compressed = sigma[:, 0] + sigma[:, 1] < 0
+    moved = np.abs([principal_stress(sigma + sign * change) - principal for sign in (-1, 1)]).max(axis=0)
+    largest = SAFETY * np.where(compressed, moved, largest) / np.maximum(np.abs(principal), 1e-300)
+    fade = faded(reference, principal)
     G_error = ENERGY_FLOOR * fade + SAFETY * np.interp(a, found.a, relative)
     return PathCurves(a, per_length * a, principal[None], G_error, (STRESS_FLOOR * fade + largest)[None])

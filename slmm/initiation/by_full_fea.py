@@ -22,6 +22,8 @@ HALF_LENGTHS, HALF_SPAN = 20, 60.0
 
 #: stress that stands for none where its logarithm is taken, MPa; its square is not yet zero
 LEAST = 1e-100
+#: of the stress, as a share of the largest along the path: two meshes may agree to more digits than either has (chosen)
+ROUND_OFF = 1e-6
 
 TOO_SHORT = "crack longer than the path"
 
@@ -111,5 +113,7 @@ def sampled(model: FullFEA, corner: float) -> PathCurves:
         sigma[a < model.a[0]] = np.inf
     G_error = np.interp(a, model.a, model.G_inc_error / np.maximum(model.G_inc, 1e-300))
     with np.errstate(invalid="ignore"):
-        relative = np.where(np.isfinite(sigma), sigma_error / np.maximum(np.abs(sigma), 1e-300), 0.0)
+        finite = np.isfinite(sigma)
+        sigma_error = np.maximum(sigma_error, ROUND_OFF * np.max(np.abs(sigma[finite])))
+        relative = np.where(finite, sigma_error / np.maximum(np.abs(sigma), 1e-300), 0.0)
     return PathCurves(a, G, sigma, G_error, relative)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import local_field, note_reasons, rows_with_cells
 from slmm.initiation.cells import cell_stress, place_cells, select_modes
 from slmm.initiation.criterion import STRESS
@@ -111,7 +112,9 @@ def by_stress(task: Task, method: str) -> Answer:
         answer.status[i] = "ok"
         answer.load_factor[i] = material.sigma_c / value if value > 0 else np.inf
         answer.governed_by[i] = STRESS if value > 0 else answer.governed_by[i]
-        answer.error[i] = error[i].max() / value if value > 0 else 0.0
+        # where there is no tension, what there may be
+        largest = error[i].max()
+        answer.error[i] = largest / value if value > 0 else max(value + largest, 0.0) / material.sigma_c
     answer.provenance |= provenance
     return answer
 
@@ -143,16 +146,20 @@ def _path_stress(
 def _body_fitted_stress(task, answer, depths):
     from slmm.initiation.body_fitted import solve_body_fitted  # imports the finite element libraries
 
-    model = solve_body_fitted(task.scene)
+    stress = np.full((task.n, 3, len(depths)), np.nan)
+    error = np.full((task.n, len(depths)), np.nan)
     paths = task.paths
     rows = np.flatnonzero(task.smooth)
+    try:
+        model = solve_body_fitted(task.scene)
+    except MesherError as failure:
+        answer.status[rows] = f"no mesh: {failure}"
+        return stress, error, {}
     near = distance_to_tips(task.scene, paths.start[rows]) < AWAY_FROM_TIPS * model.fine.element_size(
         paths.start[rows]
     )
     answer.status[rows[near]] = NEAR
     rows = rows[~near]
-    stress = np.full((task.n, 3, len(depths)), np.nan)
-    error = np.full((task.n, len(depths)), np.nan)
     points = paths.start[rows, None] + depths[:, None] * paths.direction[rows, None]
     sigma, found = model.stress(points.reshape(-1, 2))
     t = paths.direction[rows]
@@ -189,7 +196,11 @@ def _cell_stress(task, answer, depths):
     _, nu = scene.material.plane_stress_equivalent
     # first, because it refuses a Poisson's ratio that the voxel solver would fail at
     meta = select_modes(load_meta_model(nu, task.database), settings.modes)
-    local, provenance = local_field(task)
+    try:
+        local, provenance = local_field(task)
+    except MesherError as failure:
+        answer.status[rows] = f"no mesh: {failure}"
+        return stress, error, {}
     for k, outline in enumerate(scene.outlines):
         left = rows[where.hole[rows] == k]
         for rule in dict.fromkeys((settings.fine, settings.wide)):
@@ -199,8 +210,5 @@ def _cell_stress(task, answer, depths):
             note_reasons(answer, left, placed)
             found = left[placed.rows]
             stress[found], error[found] = cell_stress(placed, meta, scene, depths)
-            # the estimate is one of the largest principal stress: it says nothing about a compressed surface
-            compressed = stress[found, :2, 0].sum(axis=1) < -error[found, 0]
-            error[found[compressed]] = np.nan
             left = left[~np.isfinite(stress[left]).all(axis=(1, 2))]
     return stress, error, provenance

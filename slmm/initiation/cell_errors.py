@@ -34,10 +34,22 @@ def reference_stress(scene: Scene) -> float:
     return 3.0 * nominal
 
 
+def faded(reference: float, sigma: np.ndarray) -> np.ndarray:
+    """The reference stress over stresses of any shape, at least 1: how much larger a relative error it leaves there.
+
+    Without an upper limit, so that an error in MPa stays one where the stress vanishes.
+
+    Examples
+    --------
+    >>> faded(30.0, np.array([60.0, 3.0, -0.003])).tolist()
+    [1.0, 10.0, 10000.0]
+    """
+    return np.maximum(reference / np.maximum(np.abs(sigma), 1e-300), 1.0)
+
+
 def relative_change(new: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """|old/new - 1|, 0 where both vanish and 1 at most."""
-    size = np.maximum(np.abs(new), 1e-300)
-    return np.minimum(np.abs(new - old) / size, 1.0)
+    """|old/new - 1|, 0 where both vanish; without an upper limit, likewise."""
+    return np.abs(new - old) / np.maximum(np.abs(new), 1e-300)
 
 
 def stress_error(of_cell: np.ndarray, of_model: np.ndarray, fade: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline, interp1d
 
 from slmm.contours.outline import Outline
 from slmm.initiation import control
-from slmm.initiation.cell_errors import energy_error, reference_stress, relative_change, stress_error
+from slmm.initiation.cell_errors import energy_error, faded, reference_stress, relative_change, stress_error
 from slmm.initiation.contact import tip_opening, until_closed
 from slmm.initiation.curves import CURVE_POINTS, PathCurves
 from slmm.initiation.local_model import LocalField
@@ -18,6 +18,10 @@ from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points,
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 from slmm.initiation.support import edge_support, supported
 from slmm.scene import Scene
+
+#: sum of the principal stresses below which, as a share of the reference stress, what is always there of errors cannot
+#: make a tension of it: sixteen times that (chosen)
+COMPRESSED = 0.05
 
 
 def select_modes(meta: MetaModel, modes: str) -> MetaModel:
@@ -173,7 +177,8 @@ def cell_stress(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Stress across the path, along it, and shear (n, 3, k) at depths (k,), and an error (n, k), MPa.
 
-    NaN beyond half a cell's length. The error is an estimate of that of the principal stress.
+    NaN beyond half a cell's length. The error is an estimate of that of the principal stress or, where the surface is
+    compressed, of the largest component, which the principal stress says nothing about.
     """
     E, reference = scene.material.plane_stress_equivalent[0], reference_stress(scene)
     stress = np.full((len(placed.rows), 3, len(depths)), np.nan)
@@ -183,10 +188,10 @@ def cell_stress(
         reached = at <= meta.eta[-1] * (1 + 1e-9)
         one = placed.only(i)
         stress[i][:, reached] = E * one.large.stress[0] @ polynomial_matrix(meta.eta, at[reached]).T
-        sigma = _principal(stress[i : i + 1, :, reached])
-        fade = np.clip(reference / np.maximum(np.abs(sigma), 1e-300), 1.0, 1e3)
-        of_cell, of_model = _changes(meta, one, at[reached], sigma / E)
-        relative = stress_error(of_cell, of_model, fade)
+        measure = _principal if stress[i, 0, 0] + stress[i, 1, 0] > 0 else _largest
+        sigma = measure(stress[i : i + 1, :, reached])
+        of_cell, of_model = _changes(meta, one, at[reached], measure)
+        relative = stress_error(of_cell, of_model, faded(reference, sigma))
         error[i, reached] = (relative * np.abs(sigma))[0]
     return stress, error
 
@@ -253,34 +258,42 @@ def _superpose(meta, E, placed, settings, auto_control, rho, reference):
     sigma = _principal(large.stress @ polynomial_matrix(meta.eta, a_image).T)
     G_error = sigma_error = np.full(G_dense.shape, np.nan)
     if auto_control and settings.relaxed == "unbounded":
-        of_cell, of_model = _changes(meta, placed, a_image, sigma)
+        of_cell, of_model = _changes(meta, placed, a_image, _principal)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.nan_to_num(release[1] / held, posinf=np.inf)
         ends = ratio[:, 0], ratio[:, -1]
         bracket = interp1d(meta.lengths, ratio, bounds_error=False, fill_value=ends)(a_image)
-        fade = np.clip(reference / np.maximum(np.abs(sigma) * E, 1e-300), 1.0, 1e3)
+        fade = faded(reference, sigma * E)
+        normal, tangential, _ = (large.stress @ polynomial_matrix(meta.eta, a_image).T).swapaxes(0, 1)
+        fade[(normal + tangential) * E < -COMPRESSED * reference] = 0.0
         sigma_error = stress_error(of_cell, of_model, fade)
         G_error = energy_error(of_cell, of_model, fade, bracket, rho, placed.wide)
     return w, PathCurves(a_image * scale, G_dense * (E * scale), sigma * E, G_error, sigma_error)
 
 
-def _changes(meta, placed, a_image, sigma):
-    """Relative changes (n, k) of the principal stress with the size of the cell, and with the local model."""
+def _changes(meta, placed, a_image, measure):
+    """Relative changes (n, k) of a measure of the stress with the size of the cell, and with the local model."""
     # the small cell reaches half as far; beyond, its last change stands
     reached = np.minimum(2 * a_image, meta.eta[-1])
-    at_large = _principal(placed.large.stress @ polynomial_matrix(meta.eta, 0.5 * reached).T)
-    at_small = _principal(placed.small.stress @ polynomial_matrix(meta.eta, reached).T)
+    at_large = measure(placed.large.stress @ polynomial_matrix(meta.eta, 0.5 * reached).T)
+    at_small = measure(placed.small.stress @ polynomial_matrix(meta.eta, reached).T)
     of_cell = relative_change(at_large, at_small)
     if placed.rough is None:
         return of_cell, np.zeros_like(of_cell)
-    rough = _principal(placed.rough.stress @ polynomial_matrix(meta.eta, a_image).T)
-    return of_cell, relative_change(sigma, rough)
+    at_depths = polynomial_matrix(meta.eta, a_image).T
+    rough = measure(placed.rough.stress @ at_depths)
+    return of_cell, relative_change(measure(placed.large.stress @ at_depths), rough)
 
 
 def _principal(sigma):
     """Maximum principal stress (n, k) of components xi-xi, eta-eta, xi-eta (n, 3, k)."""
     normal, tangential, shear = sigma.swapaxes(0, 1)
     return 0.5 * (normal + tangential) + np.hypot(0.5 * (normal - tangential), shear)
+
+
+def _largest(sigma):
+    """Largest amount (n, k) of the components xi-xi, eta-eta, xi-eta (n, 3, k)."""
+    return np.abs(sigma).max(axis=1)
 
 
 def _at_length(meta, values, a):

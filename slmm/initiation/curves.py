@@ -61,7 +61,8 @@ class Critical:
     governed_by : ndarray (n,) of int
         Index into `criterion.GOVERNED_BY`.
     error : ndarray (n,)
-        Estimate of the relative error of the load factor and of the failure index; 0 where no load starts a crack.
+        Estimate of the relative error of the load factor and of the failure index; where no load starts a crack, the
+        index that the errors of the stress allow.
     """
 
     load_factor: np.ndarray
@@ -83,6 +84,7 @@ def criticals(
     code = np.full(n, NONE)
     with np.errstate(invalid="ignore"):
         strength = stress_over_crack(curves.a, curves.sigma_I, average)
+        strength_error = _error_over_crack(curves, strength, average)
     for i in np.flatnonzero(np.isfinite(curves.a[:, -1])):
         open_end = complete is None or not complete[i]
         load_factor[i], length[i], code[i] = critical_load(
@@ -92,14 +94,14 @@ def criticals(
             load_factor[i], length[i], code[i] = np.nan, np.nan, NONE
             continue
         if np.isinf(load_factor[i]):
-            error[i] = 0.0
+            error[i] = _allowed_index(strength[i], strength_error[i], material)
             continue
         error[i] = _index_error(
             curves.a[i],
             curves.G_inc[i],
             strength[i],
             curves.G_error[i],
-            curves.sigma_error[i],
+            strength_error[i],
             length[i],
             code[i],
         )
@@ -134,7 +136,26 @@ def index_bounds(curves: PathCurves, material: Material) -> tuple[np.ndarray, np
     return np.minimum(energy_low, stress_low).max(axis=1), np.minimum(larger, stress_high).max(axis=1)
 
 
-def _index_error(a, G_inc, strength, G_error, sigma_error, length, code):
+def _error_over_crack(curves: PathCurves, strength: np.ndarray, average: bool) -> np.ndarray:
+    """Relative error (n, CURVE_POINTS) of the stress over the crack from that of the stress at every depth.
+
+    Relative to the stress over the crack: where the least of that lies at the mouth, so does its error.
+    """
+    step = curves.sigma_error * np.abs(curves.sigma_I)
+    step[np.isinf(curves.sigma_I)] = 0.0
+    changed = [stress_over_crack(curves.a, curves.sigma_I + sign * step, average) for sign in (-1, 1)]
+    error = np.abs(np.array(changed) - strength).max(axis=0) / np.maximum(np.abs(strength), 1e-300)
+    return np.where(np.isinf(strength), curves.sigma_error, error)
+
+
+def _allowed_index(strength: np.ndarray, error: np.ndarray, material: Material) -> float:
+    """Largest failure index that the errors of the stress allow at a position that has none."""
+    finite = np.isfinite(strength)  # at a corner or a crack tip the mouth says nothing
+    allowed = strength[finite] + error[finite] * np.abs(strength[finite])
+    return float(np.maximum(np.max(allowed, initial=0.0), 0.0)) / material.sigma_c
+
+
+def _index_error(a, G_inc, strength, G_error, strength_error, length, code):
     """Relative error of the load factor from those of the curves at the critical length.
 
     Where both curves meet, lf^2 G(a) = G_c and lf sigma(a) = sigma_c; with the slopes q = d ln G/d ln a and
@@ -146,7 +167,7 @@ def _index_error(a, G_inc, strength, G_error, sigma_error, length, code):
     # the curve's interval around it decides the slopes; a crack of no length has only the stress
     low, high = 0.8 * at, min(1.25 * at, a[-1])
     near = np.unique(np.clip(np.searchsorted(a, [low, at, high]), 1, len(a) - 1))
-    e_G, e_s = np.max(G_error[near]), np.max(sigma_error[near])
+    e_G, e_s = np.max(G_error[near]), np.max(strength_error[near])
     if code == ENERGY:
         return 0.5 * e_G
     if code != BOTH or len(near) < 2:

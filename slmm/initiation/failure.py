@@ -209,7 +209,7 @@ def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> 
     for left in reversed(range(ROUNDS + 1)):
         with np.errstate(divide="ignore"):
             index = np.where(answer.status == "ok", 1 / answer.load_factor, np.nan)
-        peaks = find_peaks(task.scene, task.where, index, index * answer.error, answer.crack_length)
+        peaks = find_peaks(task.scene, task.where, index, answer.index_error, answer.crack_length)
         if not peaks:
             break
         if not left:
@@ -299,7 +299,7 @@ def _dataset(task: Task, answer: Answer, bound: np.ndarray, curves: bool) -> xr.
         "hole": where.hole,
         "curvature": answer.column("curvature"),
         "failure_index": failure_index,
-        "failure_index_error": failure_index * answer.error,
+        "failure_index_error": answer.index_error,
         "failure_index_bound": bound,
         "load_factor": answer.load_factor,
         "crack_length": answer.crack_length,

@@ -22,6 +22,8 @@ from slmm.initiation.contact import until_closed
 
 #: from one path element to the next at most; also the mesher follows steps up to 1.5 alone
 GROWTH = 1.25
+#: a crack that releases less per length than this share of the most closes: the change relative to that has no meaning
+CLOSING = 0.01
 #: a mesh and its uniform refinements
 LEVELS = 3
 #: released energy per area that stands for an infinite one, over that of the longest crack before
@@ -179,9 +181,11 @@ def full_fea_curves(
     # the tip's linear error cancels; what remains falls more than eightfold with every refinement
     before, G_inc = 2 * released[1] - released[0], 2 * released[2] - released[1]
     before, G_inc = (until_closed(a * G, opening) / a for G in (before, G_inc))
-    # at a single length the change may vanish by chance: the largest along the path counts for all
-    with np.errstate(invalid="ignore"):
-        G_inc_error = np.nanmax(np.abs(1 - before / G_inc), initial=0.0) / 4 * G_inc
+    # at a single length the change may vanish by chance: the largest along the path counts for all, but where the crack
+    # all but closes
+    change = np.abs(G_inc - before)
+    opens = G_inc / a > CLOSING * np.max(G_inc / a)
+    G_inc_error = np.maximum(np.max(change[opens] / G_inc[opens], initial=0.0) * G_inc, change) / 4
     sigma = (8 * stress[2] - stress[1]) / 7
     sigma_I = principal_stress(sigma)
     return FullFEA(

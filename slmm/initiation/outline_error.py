@@ -34,7 +34,8 @@ def add_outline_error(task: Task, answer: Answer) -> None:
     if any(outline.accuracy is not None for outline in task.scene.outlines):
         of_outline = outline_error(task, answer)
         answer.column("outline_error")[:] = of_outline
-        answer.error = answer.error + of_outline
+        # where there is no tension, its error is no relative one
+        answer.error = answer.error + np.where(np.isinf(answer.load_factor), 0.0, of_outline)
 
 
 def outline_error(task: Task, answer: Answer) -> np.ndarray:

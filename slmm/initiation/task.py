@@ -86,7 +86,8 @@ class Answer:
     Attributes
     ----------
     load_factor, crack_length, error : ndarray (n,)
-        NaN where there is no value; ``error`` is the relative one, as the method itself estimates it.
+        NaN where there is no value; ``error`` is the relative one, as the method itself estimates it, or where the
+        index is 0 (the load factor infinite) that of the index.
     governed_by : ndarray (n,) of int
         Index into `criterion.GOVERNED_BY`.
     status, method, reason : ndarray (n,) of str
@@ -162,6 +163,12 @@ class Answer:
         self.error[rows] = found.error
         self.status[rows] = np.where(np.isnan(found.load_factor), too_short, "ok")
         self.curves.put(rows, curves)
+
+    @property
+    def index_error(self) -> np.ndarray:
+        """Estimated error (n,) of the failure index itself."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(np.isinf(self.load_factor), self.error, self.error / self.load_factor)
 
     def column(self, name: str) -> np.ndarray:
         """A column by its name, made when it is not there yet."""
