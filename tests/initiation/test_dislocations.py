@@ -241,7 +241,10 @@ def test_corners_and_crack_tips_get_a_status():
 def test_failure_indices_of_a_notch_are_those_of_full_fea():
     scene = gallery.lobed_notch(analysis={"points": [LOBE.tolist(), [28.0, 50.0]]})
     ours, reference = (failure_indices(scene, method) for method in ("dislocations", "full-fea"))
-    assert ours.failure_index.values == pytest.approx(reference.failure_index.values, rel=1e-3)
+    difference = np.abs(ours.failure_index - reference.failure_index)
+    # the second index is a sixth of the first: errors do not fall with it
+    assert np.all(difference < 3e-4 * reference.failure_index.max())
+    assert np.all(difference < ours.failure_index_error + reference.failure_index_error)
     assert ours.crack_length.values == pytest.approx(reference.crack_length.values, rel=5e-3)
     assert np.all(ours.failure_index_error > 0)
     assert np.all(ours.failure_index_error < 3e-3 * ours.failure_index)
