@@ -155,7 +155,7 @@ def solve_voxels(
     problem = _pose(load, nx, ny, height * unit, nu, E)
     if degree is None:
         degree = smoother_degree(width / nx, height / ny, nu)
-    edges = density[[1, -5], 1:-4].astype(float) if loaded is None else np.asarray(loaded, dtype=float)
+    edges = np.asarray(stiffness[[0, -1]] if loaded is None else loaded, dtype=float) / stiffest
     threads = number_of_threads()
     try:
         u, iterations, residual = _conjugate_gradients(
