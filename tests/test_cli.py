@@ -36,7 +36,7 @@ name = "PMMA"
 strain = [0.0, 0.02, 0.0]
 [analysis]
 method = "slmm+ac"
-positions = 8
+positions = 7
 voxels = 40000
 """
 
@@ -71,10 +71,10 @@ def test_table_files_and_provenance(scene_file, tmp_path):
     result = run("initiation", scene_file, "-o", output, "--plot", plot)
     assert result.exit_code == 0, result.stderr
     assert "A crack starts there under this load" in result.stdout
-    assert "Positions: 8 ok." in result.stdout
+    assert "Positions: 7 ok." in result.stdout
     assert plot.read_bytes().startswith(b"\x89PNG")
     with xr.open_dataset(output) as written:
-        assert written.sizes["position"] == 8
+        assert written.sizes["position"] == 7
         assert {"failure_index", "status", "G_inc", "sigma_I"} <= set(written.data_vars)
         assert written.attrs["version"] == slmm.__version__
         assert written.attrs["command"].startswith("slmm")  # argv is that of the test runner
@@ -94,7 +94,7 @@ def test_json_is_all_that_stands_on_stdout(scene_file):
 
 
 def test_positions_keep_the_order_of_explicit_points(scene_file):
-    text = SCENE.replace("positions = 8", "points = [[50.0, 70.0], [70.0, 50.0], [30.0, 50.0]]")
+    text = SCENE.replace("positions = 7", "points = [[50.0, 70.0], [70.0, 50.0], [30.0, 50.0]]")
     scene_file.write_text(text)
     positions = json.loads(run("initiation", scene_file, "--json").stdout)["positions"]
     assert [round(position["x"]) for position in positions] == [50, 70, 30]
@@ -232,20 +232,20 @@ def test_estimated_errors_and_methods_stand_in_the_table(scene_file, monkeypatch
     def mixed(scene, **options):
         result = real(scene, **options)
         result["failure_index_error"] = 0.01 * result["failure_index"]
-        methods = ["slmm+ac"] * 4 + ["asymptotics"] * 4
-        return result.assign(used_method=("position", methods), reason=("position", ["cheapest"] * 8))
+        methods = ["slmm+ac"] * 4 + ["asymptotics"] * 3
+        return result.assign(used_method=("position", methods), reason=("position", ["cheapest"] * 7))
 
     monkeypatch.setattr(slmm, "failure_indices", mixed)
     lines = run("initiation", scene_file).stdout.splitlines()
     assert any("±" in line and "used method" in line for line in lines)
     rows = [line.split() for line in lines if line.rstrip().endswith(("energy   slmm+ac", "asymptotics"))]
-    assert len(rows) == 8
+    assert len(rows) == 7
     for row in rows:
         assert float(row[4]) == pytest.approx(0.01 * float(row[3]), rel=0.5)
         assert row[-4:-1] == ["stress", "and", "energy"]
     positions = json.loads(run("initiation", scene_file, "--json").stdout)["positions"]
-    assert [position["reason"] for position in positions] == ["cheapest"] * 8
-    assert positions[7]["used_method"] == "asymptotics"
+    assert [position["reason"] for position in positions] == ["cheapest"] * 7
+    assert positions[6]["used_method"] == "asymptotics"
 
 
 def test_bad_scene_is_refused(scene_file):
@@ -316,12 +316,12 @@ def test_no_value_anywhere_is_no_success(scene_file, tmp_path, monkeypatch):
     def without_values(*arguments, **settings):
         result = real(*arguments, **settings)
         result["failure_index"] = result["failure_index"] * float("nan")
-        return result.assign(status=("position", ["no cell"] * 8))
+        return result.assign(status=("position", ["no cell"] * 7))
 
     monkeypatch.setattr(slmm, "failure_indices", without_values)
     result = run("initiation", scene_file, "-o", tmp_path / "result.nc", "--plot", tmp_path / "result.pdf")
     assert result.exit_code == 1
-    assert "8 no cell" in result.stdout
+    assert "7 no cell" in result.stdout
     assert (tmp_path / "result.nc").exists() and (tmp_path / "result.pdf").exists()
 
 

@@ -173,7 +173,7 @@ def test_a_model_in_space_has_its_forces_and_the_force_on_its_interface(tmp_path
         ([EDGE_CRACK, "--tip", "30,10"], "tip = (30, 10) mm: no boundary is there"),
         ([EDGE_CRACK, "--tip", "40,10"], "does not turn back"),
         ([EDGE_CRACK, "-o", "forces.nc"], "the name must end with .vtu"),
-        (["nowhere.frd"], "nowhere.frd: no such file"),
+        (["nowhere.frd"], "nowhere.frd: there is no such file"),
     ],
 )
 def test_bad_input_is_refused_by_name(arguments, words):
