@@ -248,7 +248,7 @@ def test_positions_on_an_edge_notch_lie_within_the_plate():
         analysis={"positions": 12, "voxels": 22_500},
     )
     result = failure_indices(scene, "slmm+ac")
-    assert result.sizes["position"] == 12
+    assert result.sizes["position"] >= 12  # and those where it is largest
     assert (result.x.values > 0).all()
     # the root of the notch, where the outline starts, is the most critical
     root = int(np.nanargmax(result.failure_index.values))
