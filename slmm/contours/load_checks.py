@@ -19,11 +19,16 @@ class Load(Protocol):
     """Exactly one kind; the others are None."""
 
     @property
-    def strain(self) -> tuple[float, float, float] | None: ...  # noqa: D102
+    def strain(self) -> tuple[float, float, float] | None:
+        """e_xx, e_yy, g_xy on all four edges."""
+
     @property
-    def displacement(self) -> float | None: ...  # noqa: D102
+    def displacement(self) -> float | None:
+        """Of the top edge, mm; the bottom edge is held."""
+
     @property
-    def stress(self) -> float | None: ...  # noqa: D102
+    def stress(self) -> float | None:
+        """On top and bottom, MPa."""
 
 
 def load_problems(load: Load, edges: Edges, width: float, height: float) -> list[str]:
