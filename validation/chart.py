@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from chart_picture import KNOBS, draw
-from checks import Check, run, save, show
+from checks import Check, at_spread_positions, run, save, show
 from estimates import with_irwin_length
 from rich.progress import track
 
@@ -134,7 +134,7 @@ def prepare(name: str) -> Case:
     scenes = tuple(with_irwin_length(scene, share * radius) for share in SHARES)
     wanted: list[int] = []
     for share, one in zip(SHARES, scenes, strict=True):
-        result = failure_indices(one, "auto", positions=POSITIONS, tolerance=0.05)
+        result = failure_indices(at_spread_positions(one, POSITIONS), "auto", tolerance=0.05)
         FI = result.failure_index.values
         order = np.argsort(-np.nan_to_num(FI))
         wanted.append(int(order[0]))
@@ -192,7 +192,9 @@ class Configuration:
 
 
 def by_method(method: str, **options: Any) -> Callable[[Scene], xr.Dataset]:
-    return lambda scene: failure_indices(scene, method, positions=POSITIONS, curves=True, **options)
+    return lambda scene: failure_indices(
+        at_spread_positions(scene, POSITIONS), method, curves=True, **options
+    )
 
 
 def with_analysis(method: str, **analysis: Any) -> Callable[[Scene], xr.Dataset]:

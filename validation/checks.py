@@ -14,6 +14,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from slmm import Scene
+from slmm.initiation.positions import find_positions
+
 RESULTS = Path(__file__).parent / "results"
 
 
@@ -82,6 +85,11 @@ def show(title: str, checks: Iterable[Check]) -> None:
 
 def _text(value: float, digits: str, unit: str = "") -> str:
     return "" if math.isnan(value) else format(value, digits) + unit
+
+
+def at_spread_positions(scene: Scene, count: int) -> Scene:
+    """The scene with its equally spaced positions as given points, which no method adds to."""
+    return scene.with_(analysis={"points": find_positions(scene, count).points.tolist()})
 
 
 def save(name: str, rows: Iterable[Mapping[str, object]]) -> None:

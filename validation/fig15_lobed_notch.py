@@ -18,7 +18,7 @@ import matplotlib
 import numpy as np
 import xarray as xr
 from accuracy import reference, with_irwin_length
-from checks import RESULTS, Check, run, save, show
+from checks import RESULTS, Check, at_spread_positions, run, save, show
 from matplotlib.lines import Line2D
 from scipy.interpolate import CubicSpline
 
@@ -48,8 +48,9 @@ Index = dict[str, xr.Dataset]
 
 def index_along(scene: Scene) -> Index:
     """Failure indices by every method but full FEA."""
+    spread = at_spread_positions(scene, POSITIONS)
     return {
-        label: failure_indices(scene, method, positions=POSITIONS, settings=settings)
+        label: failure_indices(spread, method, settings=settings)
         for label, (method, settings, _) in METHODS.items()
     }
 

@@ -26,7 +26,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import xarray as xr
-from checks import RESULTS, Check, run, save, show
+from checks import RESULTS, Check, at_spread_positions, run, save, show
 
 from precompute.spec import SweepSpec
 from precompute.store import assemble, write
@@ -90,7 +90,7 @@ class Effect:
 def position_one() -> Scene:
     """The most critical position under e_xx."""
     scene = gallery.lobed_notch((0.1, 0.0, 0.0), analysis={"voxels": VOXELS})
-    found = failure_indices(scene, "dislocations", positions=POSITIONS)
+    found = failure_indices(at_spread_positions(scene, POSITIONS), "dislocations")
     at = int(np.nanargmax(found.failure_index.values))
     return scene.with_(analysis={"points": [[float(found.x[at]), float(found.y[at])]]})
 
