@@ -49,6 +49,9 @@ BUSY = 1.0
 #: with one point, it has ways to move without strain that a row of elements does not stop
 HOURGLASSES = ("C3D8R",)
 
+#: the types of Paper B; of VTK's biquadratic ones the published tool has none
+PUBLISHED = tuple(name for name in ELEMENTS if name not in ("QUAD9", "HEX27", "WEDGE18"))
+
 
 def random_elements(name: str, count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
     """Distorted elements with random displacements, stresses and energies."""
@@ -61,9 +64,9 @@ def random_elements(name: str, count: int, seed: int = 0) -> tuple[np.ndarray, .
 
 
 def agreement() -> list[Check]:
-    """Largest difference of each type, over the largest value."""
+    """Largest difference of each type of Paper B, over the largest value."""
     checks = []
-    for name in ELEMENTS:
+    for name in PUBLISHED:
         X, U, S, e = random_elements(name, 200)
         pairs = [
             (compute_F(X, U, name), conforce.compute_F(X, U, name)),

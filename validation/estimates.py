@@ -19,7 +19,7 @@ from multiprocessing import get_context
 import matplotlib
 import numpy as np
 import stability
-from checks import RESULTS, Check, run, save, show
+from checks import RESULTS, Check, at_spread_positions, run, save, show
 
 from slmm import Scene, failure_indices
 
@@ -62,6 +62,7 @@ def examine(seed: int) -> list[Row]:
         return []
     share = float(np.exp(rng.uniform(np.log(0.02), 0.0)))
     scene = with_irwin_length(scene, share * radius)
+    scene = at_spread_positions(scene, scene.analysis.positions)
     results = {method: failure_indices(scene, method) for method in METHODS}
     FI = results["dislocations"].failure_index.values
     positive = np.flatnonzero(FI > 0)

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
-from checks import RESULTS, Check, run, save, show
+from checks import RESULTS, Check, at_spread_positions, run, save, show
 
 from slmm import Scene, failure_indices, gallery
 
@@ -59,7 +59,10 @@ def compute(with_meshes: bool) -> dict[tuple[str, str, int], float]:
     found = {}
     for name, (build, on_voxels, on_meshes) in CASES.items():
         for method in (*on_voxels, *(on_meshes if with_meshes else ())):
-            result = failure_indices(build(), method)
+            scene = build()
+            if scene.analysis.points is None and scene.outlines:
+                scene = at_spread_positions(scene, scene.analysis.positions)
+            result = failure_indices(scene, method)
             for i, FI in enumerate(result.failure_index.values):
                 found[name, method, i] = float(FI)
     return found

@@ -109,7 +109,8 @@ def _missing(
     """Arc lengths that part an interval so that the outline turns by little in each part; none beside a corner."""
     if np.isfinite(corner).any():
         return np.empty(0)
-    at, turned = turn_along(outline, start, end)
+    at, signed = turn_along(outline, start, end)
+    turned = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(signed)))])  # waves add up
     if not is_within(scene, outline.points(at % outline.length)).all() or turned[-1] <= TURN:
         return np.empty(0)
     bend = np.interp([0.05 * turned[-1], 0.95 * turned[-1]], turned, at)

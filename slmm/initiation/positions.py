@@ -170,12 +170,12 @@ def _with_bends(scene: Scene, outline: Outline, s: np.ndarray) -> np.ndarray:
 def turn_along(outline: Outline, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
     """Arc lengths (k,) from one to another, mm, and the angle (k,) by which the outline has turned on the way, rad.
 
-    Turns to the left and to the right add up: the angle ascends.
+    Around a hole that bulges the outline turns to the left, which counts as positive.
     """
     at = np.linspace(start, end, 65)
     x, y = outline.tangents(at % outline.length).T
     steps = np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:])
-    return at, np.concatenate([[0.0], np.cumsum(np.abs(steps))])
+    return at, np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _to_corners(outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray:
