@@ -15,9 +15,10 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
-from checks import RESULTS, Check, at_spread_positions, run, save, show
+from checks import RESULTS, Check, run, save, show
 
 from slmm import Scene, failure_indices, gallery
+from slmm.initiation.positions import find_positions
 
 TOLERANCE, OTHER_MESHES = 1e-6, 1e-4
 
@@ -60,11 +61,15 @@ def compute(with_meshes: bool) -> dict[tuple[str, str, int], float]:
     for name, (build, on_voxels, on_meshes) in CASES.items():
         for method in (*on_voxels, *(on_meshes if with_meshes else ())):
             scene = build()
-            if scene.analysis.points is None and scene.outlines:
-                scene = at_spread_positions(scene, scene.analysis.positions)
             result = failure_indices(scene, method)
-            for i, FI in enumerate(result.failure_index.values):
-                found[name, method, i] = float(FI)
+            # without those that were added where the index is largest
+            where = find_positions(scene)
+            spread = set(zip(where.hole.tolist(), np.nan_to_num(where.s).tolist(), strict=True))
+            places = zip(
+                result.hole.values.tolist(), np.nan_to_num(result.arc_length.values).tolist(), strict=True
+            )
+            kept = [FI for FI, at in zip(result.failure_index.values, places, strict=True) if at in spread]
+            found |= {(name, method, i): float(FI) for i, FI in enumerate(kept)}
     return found
 
 

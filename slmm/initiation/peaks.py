@@ -25,6 +25,9 @@ SHORT = 0.25
 HIDDEN = 0.6
 #: share of the estimate that the rise between positions may take, and of the index, whatever the estimate; chosen
 COVERED, LEAST = 0.5, 5e-4
+#: a parabola does not see a peak beside which one interval is so many times as long as the other, or along which the
+#: index falls by so large a share; nor how much of that fall may be a rise before it; all chosen
+LOPSIDED, STEEP, BEFORE_FALL = 2.5, 0.15, 0.25
 #: positions that are added at a time, at most; and to one interval
 MOST, MOST_IN_INTERVAL = 32, 6
 
@@ -37,7 +40,8 @@ class Peak(NamedTuple):
     row : int
         The position.
     rise : float
-        By how much the index may rise between it and its neighbours, by a parabola.
+        By how much the index may rise between it and its neighbours, by a parabola, or by their fall where that sees
+        too little.
     wanted : ndarray (k,)
         Arc lengths of positions that would tell, mm; none where the estimate covers the rise.
     """
@@ -80,8 +84,12 @@ def find_peaks(
             rise, at = _parabola(s, index[[before, row, after]])
             wanted = np.concatenate(bends) if index[row] >= HIDDEN * index[top] else np.empty(0)
             smooth = np.isnan(where.corner[[before, row, after]]).all()
-            if not len(wanted) and smooth and rise > allowed[row] and index[row] + rise > least:
-                wanted = _beside(s, at)
+            if not len(wanted) and smooth:
+                closer, hidden = _unseen(s, index[[before, row, after]], SHORT * crack_length[row])
+                if hidden > allowed[row] and index[row] + hidden > least:
+                    wanted, rise = closer, hidden
+                elif rise > allowed[row] and index[row] + rise > least:
+                    wanted = _beside(s, at)
                 wanted = wanted[is_within(scene, outline.points(wanted % outline.length))]
             if len(wanted):
                 found.append(Peak(row, rise, np.sort(wanted % outline.length)))
@@ -130,6 +138,20 @@ def _parabola(s: np.ndarray, index: np.ndarray) -> tuple[float, float]:
     if not curvature < 0:
         return 0.0, float(s[1])
     return float(-(slope**2) / (4 * curvature)), float(s[1] - slope / (2 * curvature))
+
+
+def _unseen(s: np.ndarray, index: np.ndarray, short: float) -> tuple[np.ndarray, float]:
+    """Where a parabola through three points is no measure of the peak, points closer to it, and what may be hidden."""
+    lengths, falls = np.diff(s), index[1] - index[[0, 2]]
+    closer, hidden = [], 0.0
+    for side in (0, 1):
+        length, other = lengths[side], lengths[1 - side]
+        if length <= (short if np.isfinite(short) else 0.0):
+            continue
+        if length > LOPSIDED * other or falls[side] > STEEP * index[1]:
+            closer.append(s[1] + (2 * side - 1) * min(other, 0.5 * length))
+            hidden = max(hidden, BEFORE_FALL * float(falls[side]))
+    return np.array(closer), hidden
 
 
 def _beside(s: np.ndarray, at: float) -> np.ndarray:
