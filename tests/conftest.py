@@ -8,3 +8,6 @@ from hypothesis import settings
 settings.register_profile("ci", derandomize=True, deadline=None)
 settings.register_profile("here", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+
+#: a script that wants VTK
+collect_ignore = ["data/vtk_files.py"]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numba
 import numpy as np
@@ -17,24 +16,9 @@ from scipy import ndimage
 
 from slmm.fem import voxel_kernels
 from slmm.fem.voxel_element import coefficients, plane_stress
+from slmm.fem.voxel_load import Load, Problem, apply_traction, pose
 from slmm.fem.voxel_multigrid import PADDING, Multigrid, padded_zeros
 from slmm.threaded import number_of_threads
-
-
-class Load(Protocol):
-    """What loads the plate: exactly one of the three is not None."""
-
-    @property
-    def strain(self) -> tuple[float, float, float] | None:
-        """e_xx, e_yy, g_xy that prescribe the displacements of all four edges."""
-
-    @property
-    def displacement(self) -> float | None:
-        """u_y of the top edge, mm; the bottom edge is held in y, the sides are free."""
-
-    @property
-    def stress(self) -> float | None:
-        """Uniform normal traction on the material of the top and bottom edge, MPa."""
 
 
 class NotConvergedError(RuntimeError):
@@ -45,10 +29,12 @@ class NotHeldError(ValueError):
     """Material hangs on nothing but the void: no solver can tell where it is."""
 
 
-#: conjugate gradient iterations after which the multigrid cycle becomes dearer and better, each time (chosen)
-PATIENCE = 20
-#: how many times it does (chosen: a cycle then costs four times the first)
-STRENGTHENED = 2
+#: The multigrid cycle becomes dearer and better after so many iterations, where the residual is still above so much.
+#: Chosen on random plates (validation/voxel_robustness.py); a plate with one hole has 1e-5 after 8 and needs 13.
+SLOW = {8: 1e-3, 16: 1e-6, 28: 1e-6, 44: 1e-6}
+
+#: iterations after which material in pieces is refused; random plates in one piece needed fewer (the same script)
+PATIENCE = 60
 
 
 @dataclass(frozen=True)
@@ -74,18 +60,6 @@ class VoxelSolution:
     iterations: int
     residual: float
     converged: bool
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """A load in the terms of the solver, scaled to about one."""
-
-    scale: float  # what the solution has to be multiplied with
-    start: tuple[float, float, float]  # affine field to start from: u_x = a x, u_y = b y, and the shear c
-    free_rows: NDArray[np.bool_]
-    free_sides: bool
-    rigid: tuple[str, ...]
-    traction: bool
 
 
 def solve_voxels(
@@ -132,9 +106,9 @@ def solve_voxels(
         When an argument is out of range, or a stress load is not in equilibrium because notches cut the top
         and the bottom edge differently.
     NotHeldError
-        When they do not suffice because pieces of the material are joined by void alone.
+        When 60 iterations did not suffice and the material is in pieces that are joined by void alone.
     NotConvergedError
-        When ``max_iterations`` do not suffice for another reason.
+        When ``max_iterations`` do not suffice.
 
     Examples
     --------
@@ -152,7 +126,7 @@ def solve_voxels(
     width, height = width / unit, height / unit
     density = padded_zeros(nx, ny, leading=())
     density[1:-4, 1:-4] = stiffness / stiffest
-    problem = _pose(load, nx, ny, height * unit, nu, E)
+    problem = pose(load, nx, ny, height * unit, nu, E)
     if degree is None:
         degree = smoother_degree(width / nx, height / ny, nu)
     edges = np.asarray(stiffness[[0, -1]] if loaded is None else loaded, dtype=float) / stiffest
@@ -164,7 +138,7 @@ def solve_voxels(
     finally:
         numba.set_num_threads(threads)
     if not residual <= tol:
-        _check_held(stiffness)
+        _check_held(density[1:-4, 1:-4])
         raise NotConvergedError(
             f"{nx} x {ny} voxels: residual {residual:.1e} after {iterations} iterations, {tol:.1e} wanted; "
             f"allow more or make the void stiffer (now {stiffness.min():.1e})"
@@ -191,7 +165,7 @@ def smoother_degree(hx: float, hy: float, nu: float) -> int:
 
 
 def _conjugate_gradients(
-    problem: _Problem,
+    problem: Problem,
     density: NDArray[np.float32],
     edges: NDArray[np.float64],
     width: float,
@@ -218,7 +192,7 @@ def _conjugate_gradients(
         """Recompute the residual from u."""
         r.fill(0)
         if problem.traction:
-            _apply_traction(r, edges, hx)
+            apply_traction(r, edges, hx)
         voxel_kernels.subtract_force(density, u, r, r_single, c, free, columns, sums)
         if problem.rigid:
             # rounding leaves each node a share of a force that nothing can carry; summed over a million nodes
@@ -241,19 +215,20 @@ def _conjugate_gradients(
         voxel_kernels.advance(density, p, u, r, r_single, c, step, free, columns, sums)
         residual = math.sqrt(sums[1 : ny + 2].sum()) / reference
         iterations, previous = iterations + 1, product
-        if iterations % PATIENCE == 0 and iterations <= STRENGTHENED * PATIENCE:
-            # the directions so far belong to another preconditioner
-            multigrid.strengthen()
-            previous = np.inf
-        if residual <= tol:
+        slow = residual > max(tol, SLOW.get(iterations, np.inf))
+        if residual <= tol or slow:
             # what the recursion claims has to be true of u itself; if not, start over from here
             residual, previous = balance() / reference, np.inf
+        if slow:
+            multigrid.strengthen()
+        if residual > tol and iterations == PATIENCE:
+            _check_held(density[1:-4, 1:-4])
     return u, iterations, residual
 
 
 def _check_held(stiffness: NDArray) -> None:
-    """Refuse material in pieces, once a solve has failed: whatever is much stiffer than the void counts."""
-    pieces, number = ndimage.label(stiffness > math.sqrt(stiffness.min() * float(stiffness.max())))
+    """Refuse material in pieces, once a solve is slow: whatever is much stiffer than the void counts."""
+    pieces, number = ndimage.label(stiffness > math.sqrt(stiffness.min()))
     if number > 1:
         sizes = np.bincount(pieces.ravel())[1:]
         raise NotHeldError(
@@ -282,29 +257,6 @@ def _check(
         raise ValueError(f"max_iterations = {limit}, degree = {degree}: both must be at least 1")
 
 
-def _pose(load: Load, nx: int, ny: int, height: float, nu: float, E: float) -> _Problem:
-    given = [name for name in ("strain", "displacement", "stress") if getattr(load, name) is not None]
-    if len(given) != 1:
-        raise ValueError(
-            f"load has {given or 'nothing'}: exactly one of strain, displacement, stress is needed"
-        )
-    value = getattr(load, given[0])
-    if not np.isfinite(value).all():
-        raise ValueError(f"load.{given[0]} = {value!r}: must be finite")
-    free_rows = np.ones((2, ny + 1), bool)
-    uniaxial = (-nu, 1.0, 0.0)
-    if load.strain is not None:
-        scale = max(abs(e) for e in load.strain) or 1.0
-        e_xx, e_yy, g_xy = (e / scale for e in load.strain)
-        free_rows[:, [0, -1]] = False
-        return _Problem(scale, (e_xx, e_yy, g_xy), free_rows, False, (), False)
-    if load.displacement is not None:
-        free_rows[1, [0, -1]] = False
-        return _Problem(load.displacement / height, uniaxial, free_rows, True, ("x",), False)
-    assert load.stress is not None
-    return _Problem(load.stress / E, uniaxial, free_rows, True, ("x", "y", "rotation"), True)
-
-
 def _set_affine(
     u: NDArray[np.float64], width: float, height: float, strain: tuple[float, float, float]
 ) -> None:
@@ -325,24 +277,6 @@ def _edge_forces(
     s_xx, s_yy, s_xy = C11 * e_xx + C12 * e_yy, C11 * e_yy + C12 * e_xx, C33 * g_xy
     sides = 2 * height**2 / ny * (s_xx**2 + s_xy**2)
     return math.sqrt(sides + 2 * width**2 / nx * (s_yy**2 + s_xy**2))
-
-
-def _apply_traction(loads: NDArray[np.float64], edges: NDArray[np.float64], hx: float) -> None:
-    """Consistent nodal loads of a unit tension on the material of the bottom and top edge (for E = 1)."""
-    bottom, top = (hx / 2 * (np.append(share, 0.0) + np.insert(share, 0, 0.0)) for share in edges)
-    x = np.arange(len(top)) - (len(top) - 1) / 2
-    force, moment = top.sum() - bottom.sum(), x @ (top - bottom)
-    if not min(top.sum(), bottom.sum()) > 0 or max(abs(force), abs(moment) / len(x)) > 1e-3 * top.sum():
-        raise ValueError(
-            f"load.stress: the material of the top edge carries {top.sum():.6g}, that of the bottom edge "
-            f"{bottom.sum():.6g} times the stress, and they are not in equilibrium (a notch cuts them "
-            "differently); prescribe a displacement or a strain instead"
-        )
-    # what is left is rounding of the shares, but a residual cannot fall below it: balance it exactly
-    basis = np.array([bottom, bottom * x])
-    bottom += np.linalg.solve(basis @ np.array([np.ones_like(x), x]).T, [force, moment]) @ basis
-    loads[1, -4, 1:-3] += top
-    loads[1, 1, 1:-3] -= bottom
 
 
 def _energy_coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float32]:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import slmm
 from slmm import gallery
 from slmm.initiation.peaks import find_peaks, positions_at
-from slmm.initiation.positions import find_positions
+from slmm.initiation.positions import find_positions, positions_on
 
 CASES = "../shared/cases"
 
@@ -97,3 +97,17 @@ def test_positions_stay_in_order_and_tips_behind_them():
     np.testing.assert_allclose(
         outline.points(result.arc_length.values), np.column_stack([result.x, result.y]), atol=1e-9
     )
+
+
+def test_a_peak_between_positions_of_unequal_distances_is_looked_for():
+    # of a rounded rectangle: the parabola rises by 1e-4, the index by 1e-2
+    scene = gallery.circular_hole()
+    s = np.array([0.0, 40.0, 41.630, 41.918, 42.893, 90.0])
+    where = positions_on(scene, np.zeros(6, int), s, np.full(6, -1))
+    index = np.array([0.01, 0.1, 0.6221, 0.6370, 0.4223, 0.1])
+    (peak,) = find_peaks(scene, where, index, np.full(6, 0.0036), np.full(6, 0.1))
+    assert peak.row == 3
+    assert peak.wanted == pytest.approx([42.206], abs=1e-3)
+    assert find_peaks(scene, where, index, np.full(6, 0.2), np.full(6, 0.1)) == []
+    # a crack longer than the intervals sees no peak in them
+    assert find_peaks(scene, where, index, np.full(6, 0.0036), np.full(6, 20.0)) == []
