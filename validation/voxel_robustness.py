@@ -129,10 +129,9 @@ def solved(case: SimpleNamespace) -> dict[str, object]:
 
 def main(quick: bool) -> list[Check]:
     """Solve them all, tell the iterations' distribution and what was refused."""
-    cases = [problem(seed) for seed in range(QUICK if quick else PROBLEMS)]
+    rows = [solved(problem(seed)) for seed in range(QUICK if quick else PROBLEMS)]
     if not quick:
-        cases += [problem(seed, voxels=4e6) for seed in range(PROBLEMS, PROBLEMS + LARGE)]
-    rows = [solved(case) for case in cases]
+        rows += [solved(problem(seed, voxels=4e6)) for seed in range(PROBLEMS, PROBLEMS + LARGE)]
     ends = Counter(str(row["end"]) for row in rows)
     iterations = np.array([row["iterations"] for row in rows if row["end"] == "converged"])
     for share in (0.5, 0.9, 0.99, 1.0):

@@ -29,6 +29,10 @@ SMALLEST_TURN = 1e-3
 TOUCHING_TURN = 0.01
 #: arc lengths nearer to a corner than this share of the outline are the corner
 AT_CORNER = 1e-9
+#: Gauss points for the arc length of one piece
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+#: Newton steps for a point at a given arc length, at most, and the share of a piece at which they end
+NEWTON_STEPS, REACHED = 6, 1e-15
 #: of so many samples next to a point, one lies by its nearest point, be it on the other side of a sharp corner
 NEIGHBOURS = 8
 
@@ -472,30 +476,34 @@ def _periodic_spline(parameter: Array, points: Array) -> CubicSpline:
 
 
 def _speed(spline: CubicSpline, u: Array) -> Array:
-    return np.linalg.norm(spline(u, 1), axis=-1)
+    x, y = np.moveaxis(spline(u, 1), -1, 0)
+    return np.hypot(x, y)
 
 
 def _lengths(spline: CubicSpline) -> Array:
     """Arc lengths (m,) of the spline between its breaks."""
-    nodes, weights = np.polynomial.legendre.leggauss(5)
     u, h = spline.x, np.diff(spline.x)
-    return 0.5 * h * (_speed(spline, u[:-1, None] + 0.5 * h[:, None] * (nodes + 1)) @ weights)
+    at = u[:-1, None] + 0.5 * h[:, None] * (GAUSS_POINTS + 1)
+    return 0.5 * h * (_speed(spline, at) @ GAUSS_WEIGHTS)
 
 
 def _equidistant(spline: CubicSpline, n: int) -> tuple[Array, Array]:
     """Arc lengths (n + 1,) and points (n, 2) of the spline, evenly spaced in arc length."""
-    nodes, weights = np.polynomial.legendre.leggauss(5)
     u, h = spline.x, np.diff(spline.x)
     lengths = _lengths(spline)
     arc = np.concatenate([[0.0], np.cumsum(lengths)])
     s = np.linspace(0.0, arc[-1], n + 1)
     piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(h) - 1)
     part = (s[:-1] - arc[piece]) / lengths[piece]
-    for _ in range(6):  # Newton for the parameter at which the arc length from the break is the wanted one
-        at = u[piece, None] + 0.5 * (h[piece] * part)[:, None] * (nodes + 1)
-        reached = 0.5 * h[piece] * part * (_speed(spline, at) @ weights)
-        part += (s[:-1] - arc[piece] - reached) / (h[piece] * _speed(spline, u[piece] + h[piece] * part))
-        part = np.clip(part, 0.0, 1.0)
+    for _ in range(
+        NEWTON_STEPS
+    ):  # for the parameter at which the arc length from the break is the wanted one
+        at = u[piece, None] + 0.5 * (h[piece] * part)[:, None] * (GAUSS_POINTS + 1)
+        reached = 0.5 * h[piece] * part * (_speed(spline, at) @ GAUSS_WEIGHTS)
+        step = (s[:-1] - arc[piece] - reached) / (h[piece] * _speed(spline, u[piece] + h[piece] * part))
+        part = np.clip(part + step, 0.0, 1.0)
+        if np.abs(step).max() < REACHED:
+            break
     return s, spline(u[piece] + h[piece] * part)
 
 

@@ -10,8 +10,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import shapely
 from scipy.sparse.linalg import SuperLU, splu
-from skfem import Basis, ElementTriP2, ElementVector
-from skfem.models.elasticity import lame_parameters, linear_elasticity
+from skfem.models.elasticity import lame_parameters
 
 from slmm.fem import triangle
 from slmm.fem.crack_line import crack_factor
@@ -19,6 +18,7 @@ from slmm.fem.elasticity import Elasticity
 from slmm.fem.element_results import ElementResults, linear_elastic
 from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import PlateMesh
+from slmm.fem.plane_stiffness import plane_stiffness
 from slmm.fem.recovery import recovered_stress
 from slmm.fem.slit import open_slits
 
@@ -59,7 +59,6 @@ class PlateModel:
         slit = open_slits(mesh)
         self.mesh = slit.mesh
         self.points = self.mesh.doflocs.T
-        basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=4)
         self.triangles = np.concatenate([self.mesh.t, self.mesh.nvertices + self.mesh.t2f[[0, 1, 2]]]).T
         n = len(self.points)
         # where a node's displacement is found while the path is closed
@@ -67,12 +66,12 @@ class PlateModel:
         self._place[slit.left] = slit.right
         # plane stress is plane strain with another first Lamé parameter
         lam, mu = lame_parameters(self.E, self.nu)
-        K = linear_elasticity(2 * lam * mu / (lam + 2 * mu), mu).assemble(basis)
+        K = plane_stiffness(self.mesh, self.triangles, 2 * lam * mu / (lam + 2 * mu), mu)
         jump, follows = _components(slit.left), _components(slit.right)
         to_displacements = sp.eye_array(2 * n, format="csr") + sp.csr_array(
             (np.ones(len(jump)), (jump, follows)), shape=(2 * n, 2 * n)
         )
-        self.K = (to_displacements.T @ K @ to_displacements).tocsr() if len(jump) else sp.csr_array(K)
+        self.K = (to_displacements.T @ K @ to_displacements).tocsr() if len(jump) else K
         self.load = loading(self.mesh, self.points, scene)
         value = self.load.value.ravel().copy()
         value[jump] = 0.0
