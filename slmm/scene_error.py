@@ -33,6 +33,16 @@ _TYPES = {
     "string_too_short": "must not be empty",
 }
 
+#: units in which the keys are read; what is not here is a number alone
+_UNITS = {"E": "MPa", "sigma_c": "MPa", "K_Ic": "MPa sqrt(m)", "G_c": "N/mm", "angle": "degrees", "direction": "degrees",
+          "opening": "degrees"} | dict.fromkeys(
+    ("width", "height", "thickness", "center", "radius", "semi_axes", "size", "corner_radius", "points", "tip", "depth",
+     "pixel_size"),
+    "mm",
+)  # fmt: skip
+#: what pydantic calls a number out of its range
+_LIMITS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+
 
 class SceneError(ValueError):
     """A scene that cannot be computed.
@@ -111,10 +121,20 @@ def _sentence(item: ErrorDetails, known_keys: Mapping[tuple[str, ...], Sequence[
         return f"{key}: has {context['actual_length']} entries; must have {bound} {limit}"
     if kind == "value_error":
         says = str(context["error"])
+        if isinstance(value, int | float):
+            says += _unit(tables)
         shown = "" if isinstance(value, Mapping | Sequence) and not isinstance(value, str) else _shown(value)
         return f"{key} = {shown}: {says}" if shown else f"{key}: {says}".removeprefix(": ")
     says = _TYPES[kind].format(**context) if kind in _TYPES else item["msg"]
+    if kind in _LIMITS:
+        says += _unit(tables)
     return f"{key} = {_shown(value)}: {says}"
+
+
+def _unit(tables: tuple[str, ...]) -> str:
+    """The unit of a key, to follow a number; empty where it has none."""
+    unit = _UNITS.get(tables[-1], "") if tables else ""
+    return f" {unit}" if unit else ""
 
 
 def _one_of_shapes(known_keys: Mapping[tuple[str, ...], Sequence[str]]) -> str:

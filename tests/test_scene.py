@@ -45,6 +45,11 @@ def star(n=200):
 FOUR_BARS = [((50, 65), (40, 6)), ((50, 35), (40, 6)), ((35, 50), (6, 40)), ((65, 50), (6, 40))]
 RING = shapes.circle((50.0, 50.0), 20.0)[::10]
 
+
+def material(**changes):
+    return {"material": {"E": 2960.0, "nu": 0.35, "sigma_c": 70.5, "K_Ic": 1.96, **changes}}
+
+
 REFUSED = [
     # keys
     ({"colour": "red"}, r'^colour = "red": is not a known key; known here: title, plate, holes'),
@@ -54,7 +59,7 @@ REFUSED = [
     ({"holes": {"shape": "circle"}}, r"^holes = .*must be a list"),
     ({"title": 3}, r"^title = 3: must be a text"),
     # numbers
-    ({"holes": [{**CIRCLE, "radius": -3}]}, r"^holes\[0\]\.radius = -3: must be greater than 0$"),
+    ({"holes": [{**CIRCLE, "radius": -3}]}, r"^holes\[0\]\.radius = -3: must be greater than 0 mm$"),
     ({"holes": [{**CIRCLE, "radius": float("inf")}]}, r"^holes\[0\]\.radius = inf: must be"),
     ({"holes": [{**CIRCLE, "radius": "20"}]}, r'^holes\[0\]\.radius = "20": must be a number'),
     ({"holes": [{**CIRCLE, "center": [50.0]}]}, r"^holes\[0\]\.center\[1\]: is missing"),
@@ -215,6 +220,10 @@ REFUSED = [
     ),
     ({"analysis": {"points": []}}, r"^analysis\.points: has 0 entries"),
     ({"analysis": {"average": 1}}, r"^analysis\.average = 1: must be true or false"),
+    (material(K_Ic=-1.0), r"^material\.K_Ic = -1.0: must be greater than 0 MPa sqrt\(m\)$"),
+    (material(E=1e31), r"^material\.E = 1e\+31: must be at most 1e\+30 MPa$"),
+    (material(nu=35.0), r"^material\.nu = 35.0: must be less than 0.5$"),
+    ({"holes": [{**CIRCLE, "radius": 1e-12}]}, r"radius = 1e-12: must be at least 1e-09 mm$"),
     ({"analysis": {"tolerance": 0.6}}, r"^analysis\.tolerance = 0.6: must be at most 0.5"),
     ({"analysis": {"tolerance": 1e-4}}, r"^analysis\.tolerance = 0.0001: must be at least 0.0005"),
     ({"analysis": {"tolerances": 0.1}}, r"^analysis\.tolerances = 0.1: .*known here: .* average, tolerance$"),
@@ -244,7 +253,7 @@ def test_all_problems_are_listed_at_once_with_the_file(tmp_path):
         read_scene(tmp_path / "a.toml")
     assert str(caught.value).splitlines() == [
         f"{tmp_path / 'a.toml'}: 2 problems",
-        "  plate.width = -1: must be greater than 0",
+        "  plate.width = -1: must be greater than 0 mm",
         '  plate.height = "a": must be a number',
     ]
 

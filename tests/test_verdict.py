@@ -44,6 +44,17 @@ def test_a_bound_below_one_gives_both_ends_of_the_load():
     assert not is_open
 
 
+def test_an_index_with_a_wide_error_is_told_by_its_bounds():
+    says = conclude(result([0.5, 0.1], error=[0.1, 0.01])).says
+    assert says.endswith("(FI < 1); none does below 1.667 times the load, and one does at 2.500 times it.")
+    # bounds that leave open whether there is any tension
+    says = conclude(result([0.239, 0.0], error=[0.239, 0.0])).says
+    assert says.endswith("(FI < 1); none does below 2.092 times the load.")
+    # the error of another position
+    says = conclude(result([0.5, 0.4], error=[0.001, 0.2])).says
+    assert says.endswith("(FI < 1); none does below 1.667 times the load, and one does at 2.004 times it.")
+
+
 def test_positions_without_a_value_may_lie_below_the_largest_index():
     says, is_open = conclude(result([0.9, np.nan], bound=[0.9, 0.2]))
     assert says.endswith("No crack starts under this load (FI < 1); one does at 1.111 times the load.")

@@ -175,18 +175,19 @@ def _smooth_all_round(points: Array, contour: Contour, pixel_size: float) -> Out
     bends = tight_bends(smooth, contour.blur, True)
     stretch = Stretch(smooth, smooth[::2], stress[::2], wanted[::2], bends)
     accuracy = _accuracy([stretch], [None], [None], contour, pixel_size)
-    if wanted.min() >= FOLLOWS_BEND * wanted.max():
-        longest = contour.per_root * np.sqrt(contour.radius)
-        outline = Outline.through(
-            contour.points * pixel_size, contour.noise.deviation * pixel_size, longest * pixel_size
-        )
-    elif np.abs(curvatures(smooth, STEP, True)).max() < FINEST * MAX_PIECES / (STEP * len(smooth)):
-        outline = Outline.through(smooth * pixel_size)
-    else:
+    sharpest = np.abs(curvatures(smooth, STEP, True)).max()
+    if sharpest >= FINEST * MAX_PIECES / (STEP * len(smooth)):
         # the piece begins and ends where it bends least
         flattest = int(np.abs(curvatures(smooth, STEP, True)).argmin())
         ring = thinned(np.roll(smooth, -flattest, axis=0), True)
         outline = Outline.of_pieces([piece * pixel_size for piece in _split_at_turns(ring)])
+    elif wanted.min() >= FOLLOWS_BEND * wanted.max():
+        longest = contour.per_root * np.sqrt(contour.radius)
+        outline = Outline.through(
+            contour.points * pixel_size, contour.noise.deviation * pixel_size, longest * pixel_size
+        )
+    else:
+        outline = Outline.through(smooth * pixel_size)
     return outline.with_accuracy(accuracy)
 
 

@@ -23,6 +23,9 @@ SMALLEST_TURN = 0.3
 CERTAIN = 4.0
 #: distances from a vertex at which its flanks may begin: beyond the blur, and beyond arcs of some radius
 GAPS = (2.0, 3.5, 6.0)
+#: and where a notch is so narrow that the picture does not show its last pixels: there its flanks turn by at least
+#: this much, rad (an opening of 25 degrees), and by no more than lines that a picture tells from parallel ones
+NARROW_GAPS, NARROW, PARALLEL = (10.0, 16.0), 2.7, 3.08
 #: vertices nearer to each other than this are one; and how far one may lie from the contour, beside its gap
 APART, AWAY = 3.0, 2.0
 #: a vertex bends with at most this share of its flanks' radius, and this radius: others are followed point by point
@@ -138,7 +141,7 @@ def _candidates(points: Array, closed: bool) -> NDArray[np.intp]:
 
 def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -> Vertex | None:
     """The vertex next to a point of the contour, None where it is smooth there."""
-    for gap in GAPS:
+    for gap in GAPS + NARROW_GAPS:
         ahead, after = (flank_beside(points, closed, i, side, gap, noise) for side in (-1, 1))
         if ahead is None or after is None:
             continue
@@ -151,7 +154,8 @@ def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -
         turn = float(np.arctan2(before[0] * behind[1] - before[1] * behind[0], before @ behind))
         (place_0, slope_0), (place_1, slope_1) = flanks[0].spread(u_0), flanks[1].spread(u_1)
         of_turn = float(np.hypot(slope_0, slope_1))
-        if abs(turn) < max(SMALLEST_TURN, CERTAIN * of_turn) or abs(turn) > 3.0:
+        least_turn = NARROW if gap in NARROW_GAPS else SMALLEST_TURN
+        if abs(turn) < max(least_turn, CERTAIN * of_turn) or abs(turn) > PARALLEL:
             continue
         per_square = np.tan(abs(turn) / 2) - abs(turn) / 2
         number = round(gap / STEP)

@@ -37,7 +37,7 @@ VOXELS_AFFORDED = 700**2
 LOOSE, COARSENESS, LOCKING = 0.01, 1.5, 0.95
 #: indices below this share of the largest one need no more than its accuracy
 MATTERS = 0.25
-#: and where bounds keep the index below this share, they are enough
+#: and where what is known keeps the index below this share, no model of its own is made for it
 NEGLIGIBLE = 0.1
 
 #: the method where curves end too early, and bound the index
@@ -146,13 +146,15 @@ class _Choice:
         self.settled |= self.answer.index_error <= allowed
 
     def settle_negligible(self) -> None:
-        """Be content with bounds that keep the index far below the largest."""
+        """Be content with values and bounds that keep the index far below the largest."""
         self.settled |= self.negligible
 
     @property
     def negligible(self) -> np.ndarray:
-        """Which positions have bounds alone, far below the largest index."""
-        return self.bounded & (self.index * (1 + self.answer.error) < NEGLIGIBLE * self.largest)
+        """Which positions have an index far below the largest, whatever its error."""
+        known = self.answer.status == "ok"
+        error = np.nan_to_num(self.answer.index_error, nan=np.inf)
+        return known & (np.nan_to_num(self.index) + error < NEGLIGIBLE * self.largest)
 
     def explained(self, rest: str) -> Answer:
         """The answer with its reasons; ``rest`` is why the positions left open stay so."""

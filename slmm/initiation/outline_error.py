@@ -25,6 +25,9 @@ from slmm.material import Material
 
 #: standard deviations that cover nineteen of twenty
 COVERED = 2.0
+#: how far the tip of a narrow notch may lie from where it was seen to end, in largest radii: drawn notches of 7 to 30
+#: degrees end two to four pixels before their tip, with a largest radius of one to two; measured
+FARTHEST_APART = 2.0
 #: longest crack at a tip, in Irwin's lengths and in radii of the root: the critical one is shorter
 IN_IRWIN_LENGTHS, IN_RADII = 3.0, 4.0
 
@@ -85,9 +88,23 @@ def tips_error(
         radius, least, largest = (float(r) for r in radii)
         at_tip = rounding_error(float(np.pi - turn), radius, least, largest, material, average)
         at_tip += angle_error(float(np.pi - turn), COVERED * float(spread), size, material)
-        distance = np.hypot(*(points - tip).T)
-        error = np.maximum(error, at_tip * np.minimum(1.0, largest / np.maximum(distance, 1e-300)))
+        distance = np.maximum(np.hypot(*(points - tip).T), 1e-300)
+        error = np.maximum(error, at_tip * np.minimum(1.0, largest / distance))
+        beside = place_error(float(np.pi - turn), largest, distance)
+        error = np.maximum(error, np.where(distance > largest, beside, 0.0))
     return error
+
+
+def place_error(opening: float, largest: float, distance: np.ndarray) -> np.ndarray:
+    """Relative errors (n,) at distances (n,) from a tip, mm, because it may lie farther in, or less far.
+
+    The root of an arc of the largest radius and the corner in its place are apart; of a slit's end, whose last and
+    thinnest part a picture does not show, no more is known than that. Beside a corner the stress goes with the power
+    lambda - 1 of the distance.
+    """
+    half = np.sin(0.5 * opening)
+    apart = largest * min(1 / half - 1, FARTHEST_APART) if half > 0 else largest * FARTHEST_APART
+    return np.minimum((1 - singular_exponent(opening)) * apart / distance, 1.0)
 
 
 def angle_error(opening: float, spread: float, size: float, material: Material) -> float:

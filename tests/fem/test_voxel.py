@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from voxel_reference import assemble, load, solve_directly
 
 from slmm.contours.coverage import area_fraction
-from slmm.fem.voxel import NotConvergedError, solve_voxels
+from slmm.fem.voxel import NotConvergedError, NotHeldError, solve_voxels
 from slmm.fem.voxel_element import coefficients, element_matrix, largest_eigenvalue
 
 LOADS = [load(strain=(0.01, 0.02, -0.03)), load(displacement=0.1), load(stress=10.0)]
@@ -110,6 +110,49 @@ def test_sixty_overlapping_holes(void):
 def test_ligament_of_one_voxel_between_two_holes():
     holes = area_fraction([circle(29.75, 50.25, 20), circle(70.75, 50.25, 20)], 100, 100, 200, 200)
     assert solve_voxels(with_void(holes, 1e-9), 100, 100, 0.35, LOADS[0]).iterations <= 25
+
+
+@pytest.mark.parametrize("nu", [0.95, 0.98])
+@pytest.mark.parametrize("loaded", LOADS, ids=NAMES)
+@pytest.mark.parametrize(("nx", "ny"), [(58, 325), (200, 150), (900, 20)])
+def test_plates_that_hardly_change_their_area_converge_too(nx, ny, loaded, nu):
+    rng = np.random.default_rng(nx)
+    holes = [
+        circle(rng.uniform(0, nx), rng.uniform(0.3, 0.7) * ny, 0.15 * min(nx, ny), 200) for _ in range(6)
+    ]
+    stiffness = with_void(area_fraction(holes, nx, ny, nx, ny), 1e-6)
+    solution = solve_voxels(stiffness, nx, ny, nu, loaded)
+    assert solution.iterations <= 60
+    if nx * ny < 20_000:
+        assert difference(solution.u, solve_directly(stiffness, nx, ny, nu, loaded)) < 1e-4
+
+
+@pytest.mark.parametrize("loaded", LOADS, ids=NAMES)
+def test_a_large_plate_converges_without_overflow(loaded):
+    holes = [circle(30, 40, 12), circle(70, 60, 8), circle(62, 59, 3)]
+    stiffness = with_void(area_fraction(holes, 100, 100, 1100, 1300), 1e-6)
+    solution = solve_voxels(stiffness, 100, 100, 0.35, loaded, E=1e3)
+    assert solution.iterations <= 30 and solution.residual <= 1e-8
+
+
+@pytest.mark.parametrize("E", [1e-27, 1e15, 1e33])
+@pytest.mark.parametrize("larger", [1e-9, 1e9])
+@pytest.mark.parametrize("loaded", [1e-9, 1e9])
+def test_units_far_from_one_change_neither_iterations_nor_digits(E, larger, loaded):
+    stiffness = with_void(area_fraction([circle(50, 50, 20)], 100, 100, 60, 60), 1e-6)
+    reference = solve_voxels(stiffness, 100, 100, 0.35, load(stress=10.0), E=1e3)
+    side, stress = 100 * larger, 10 * loaded
+    scaled = solve_voxels(1e-5 * stiffness, side, side, 0.35, load(stress=stress), E=E)
+    assert scaled.iterations == reference.iterations
+    # the share of material that a stress pulls at is as small as the stiffness
+    assert difference(scaled.u * (E / 1e3 / (larger * loaded)), reference.u) < 1e-5
+
+
+def test_material_that_nothing_holds_is_refused():
+    density = np.ones((60, 20))
+    density[25:35] = 0.0
+    with pytest.raises(NotHeldError, match="2 pieces .* 500 voxels"):
+        solve_voxels(with_void(1 - density, 1e-9), 20, 60, 0.3, load(stress=10.0))
 
 
 def test_stress_acts_on_the_material_of_a_cut_edge_only():
