@@ -34,12 +34,15 @@ _TYPES = {
 }
 
 #: units in which the keys are read; what is not here is a number alone
-_UNITS = {"E": "MPa", "sigma_c": "MPa", "K_Ic": "MPa sqrt(m)", "G_c": "N/mm", "angle": "degrees", "direction": "degrees",
-          "opening": "degrees"} | dict.fromkeys(
-    ("width", "height", "thickness", "center", "radius", "semi_axes", "size", "corner_radius", "points", "tip", "depth",
-     "pixel_size"),
-    "mm",
-)  # fmt: skip
+_UNITS = {
+    "E": "MPa",
+    "sigma_c": "MPa",
+    "K_Ic": "MPa sqrt(m)",
+    "G_c": "N/mm",
+    **dict.fromkeys(("angle", "direction", "opening"), "degrees"),
+    **dict.fromkeys(("width", "height", "thickness", "center", "radius", "semi_axes", "size"), "mm"),
+    **dict.fromkeys(("corner_radius", "points", "tip", "depth", "pixel_size"), "mm"),
+}
 #: what pydantic calls a number out of its range
 _LIMITS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 

@@ -85,7 +85,9 @@ def conclude(result: xr.Dataset) -> Verdict:
         )
     if known.highest > (1 + WIDE) * FI:
         latest = f", and one does at {known.latest:.3f} times it" if math.isfinite(known.latest) else ""
-        return Verdict(f"{holds}; none does below {1 / known.highest:.3f} times the load{latest}.", is_open=False)
+        return Verdict(
+            f"{holds}; none does below {1 / known.highest:.3f} times the load{latest}.", is_open=False
+        )
     return Verdict(f"{holds}; one does at {1 / FI:.3f} times the load.", is_open=False)
 
 

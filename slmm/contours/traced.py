@@ -175,12 +175,11 @@ def _smooth_all_round(points: Array, contour: Contour, pixel_size: float) -> Out
     bends = tight_bends(smooth, contour.blur, True)
     stretch = Stretch(smooth, smooth[::2], stress[::2], wanted[::2], bends)
     accuracy = _accuracy([stretch], [None], [None], contour, pixel_size)
-    sharpest = np.abs(curvatures(smooth, STEP, True)).max()
-    if sharpest >= FINEST * MAX_PIECES / (STEP * len(smooth)):
-        # the piece begins and ends where it bends least
-        flattest = int(np.abs(curvatures(smooth, STEP, True)).argmin())
-        ring = thinned(np.roll(smooth, -flattest, axis=0), True)
-        outline = Outline.of_pieces([piece * pixel_size for piece in _split_at_turns(ring)])
+    bends_by = np.abs(curvatures(smooth, STEP, True))
+    # the first piece begins, and the last one ends, where it bends least
+    pieces = _split_at_turns(thinned(np.roll(smooth, -int(bends_by.argmin()), axis=0), True))
+    if len(pieces) > 1 or bends_by.max() >= FINEST * MAX_PIECES / (STEP * len(smooth)):
+        outline = Outline.of_pieces([piece * pixel_size for piece in pieces])
     elif wanted.min() >= FOLLOWS_BEND * wanted.max():
         longest = contour.per_root * np.sqrt(contour.radius)
         outline = Outline.through(

@@ -25,9 +25,10 @@ from slmm.material import Material
 
 #: standard deviations that cover nineteen of twenty
 COVERED = 2.0
-#: how far the tip of a narrow notch may lie from where it was seen to end, in largest radii: drawn notches of 7 to 30
-#: degrees end two to four pixels before their tip, with a largest radius of one to two; measured
-FARTHEST_APART = 2.0
+#: how far a narrow notch's tip may lie from where it is in the outline, in largest radii: where its flanks meet, and
+#: where they were not followed to a corner; drawn notches of 3 to 6 degrees then end 10 to 20 pixels before their tip,
+#: with a largest radius of 2; measured (tests/contours/test_picture.py)
+FARTHEST_OF_CORNER, FARTHEST_OF_BEND = 2.0, 9.0
 #: longest crack at a tip, in Irwin's lengths and in radii of the root: the critical one is shorter
 IN_IRWIN_LENGTHS, IN_RADII = 3.0, 4.0
 
@@ -90,20 +91,20 @@ def tips_error(
         at_tip += angle_error(float(np.pi - turn), COVERED * float(spread), size, material)
         distance = np.maximum(np.hypot(*(points - tip).T), 1e-300)
         error = np.maximum(error, at_tip * np.minimum(1.0, largest / distance))
-        beside = place_error(float(np.pi - turn), largest, distance)
+        farthest = FARTHEST_OF_CORNER if spread > 0 else FARTHEST_OF_BEND
+        beside = place_error(float(np.pi - turn), largest, farthest * largest, distance)
         error = np.maximum(error, np.where(distance > largest, beside, 0.0))
     return error
 
 
-def place_error(opening: float, largest: float, distance: np.ndarray) -> np.ndarray:
-    """Relative errors (n,) at distances (n,) from a tip, mm, because it may lie farther in, or less far.
+def place_error(opening: float, largest: float, farthest: float, distance: np.ndarray) -> np.ndarray:
+    """Relative errors (n,) at distances (n,) from a tip because it may lie elsewhere by up to farthest, all in mm.
 
-    The root of an arc of the largest radius and the corner in its place are apart; of a slit's end, whose last and
-    thinnest part a picture does not show, no more is known than that. Beside a corner the stress goes with the power
-    lambda - 1 of the distance.
+    The root of an arc of the largest radius and the corner in its place are apart, and a picture does not show the
+    last and thinnest part of a slit. Beside a corner the stress goes with the power lambda - 1 of the distance.
     """
     half = np.sin(0.5 * opening)
-    apart = largest * min(1 / half - 1, FARTHEST_APART) if half > 0 else largest * FARTHEST_APART
+    apart = min(largest * (1 / half - 1), farthest) if half > 0 else farthest
     return np.minimum((1 - singular_exponent(opening)) * apart / distance, 1.0)
 
 

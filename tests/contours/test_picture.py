@@ -1,9 +1,12 @@
 import numpy as np
 import pytest
 from PIL import Image
+from scipy import ndimage
+from skimage.draw import polygon2mask
 
 from slmm.contours.image import outlines_in_picture
 from slmm.contours.picture import grey_values
+from slmm.initiation.outline_error import FARTHEST_OF_BEND
 from slmm.scene import SceneError, read_scene
 
 
@@ -115,3 +118,40 @@ def test_real_numbers_beyond_one_are_refused(tmp_path):
     Image.fromarray(np.where(disc(), 0, 255).astype(np.float32)).save(tmp_path / "a.tif")
     with pytest.raises(ValueError, match="must be finite and lie between 0 and 1"):
         outlines_in_picture(tmp_path / "a.tif", 1.0, 60.0, 60.0)
+
+
+def narrow_notch(opening, turned, tip=(60.3, 60.7), length=50.0):
+    """Darkness (120, 120) of a V-notch, its axis turned, degrees, its tip at (x, y) from the lower left."""
+    half, axis, fine = np.radians(opening / 2), np.radians(turned), 8
+    along = [np.array([np.cos(axis + side * half), np.sin(axis + side * half)]) for side in (-1, 1)]
+    x, y = np.array([tip, *(np.array(tip) + length * one for one in along)]).T
+    dark = polygon2mask((120 * fine, 120 * fine), np.column_stack([(120 - y) * fine - 0.5, x * fine - 0.5]))
+    return dark.reshape(120, fine, 120, fine).mean(axis=(1, 3))
+
+
+@pytest.mark.parametrize("turned", [20.0, 77.0, 215.0])
+@pytest.mark.parametrize("opening", [8.0, 11.0, 14.0, 25.0])
+def test_a_narrow_notch_ends_where_its_flanks_meet(tmp_path, opening, turned):
+    # of 8 degrees, the last seven pixels are thinner than one
+    grey = np.round(255 * (1 - narrow_notch(opening, turned))).astype(np.uint8)
+    Image.fromarray(grey).save(tmp_path / "a.png")
+    (outline,) = outlines_in_picture(tmp_path / "a.png", 1.0, 120.0, 120.0)
+    corner = np.hypot(*(outline.points(outline.corners) - [60.3, 60.7]).T).argmin()
+    assert outline.points(outline.corners)[corner] == pytest.approx([60.3, 60.7], abs=0.8)
+    assert np.degrees(outline.corner_angles[corner]) == pytest.approx(opening, abs=1.0)
+
+
+@pytest.mark.parametrize("turned", [0.0, 33.0, 120.0, 250.0])
+@pytest.mark.parametrize("opening", [4.0, 5.0, 6.0])
+def test_a_slit_is_no_reason_to_refuse_a_picture(tmp_path, opening, turned):
+    dark = narrow_notch(opening, turned, length=80.0)
+    pieces = ndimage.label(dark > 0.5)[0]
+    sizes = np.bincount(pieces.ravel())[1:]
+    dark[(pieces > 0) & (pieces != 1 + sizes.argmax())] = 0.4  # what is thinner than a pixel may fall apart
+    Image.fromarray(np.round(255 * (1 - dark)).astype(np.uint8)).save(tmp_path / "a.png")
+    (outline,) = outlines_in_picture(tmp_path / "a.png", 1.0, 120.0, 120.0)
+    accuracy = outline.accuracy
+    missing = np.hypot(*(accuracy.tips - [60.3, 60.7]).T)
+    tip = int(missing.argmin())
+    # what the picture does not show, the estimate knows of
+    assert missing[tip] < max(1.0, FARTHEST_OF_BEND * accuracy.radii[tip, 2])

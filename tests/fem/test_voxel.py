@@ -151,7 +151,7 @@ def test_units_far_from_one_change_neither_iterations_nor_digits(E, larger, load
 def test_material_that_nothing_holds_is_refused():
     density = np.ones((60, 20))
     density[25:35] = 0.0
-    with pytest.raises(NotHeldError, match="2 pieces .* 500 voxels"):
+    with pytest.raises(NotHeldError, match=r"2 pieces .* 500 voxels"):
         solve_voxels(with_void(1 - density, 1e-9), 20, 60, 0.3, load(stress=10.0))
 
 
