@@ -28,6 +28,10 @@ COVERED, LEAST = 0.5, 5e-4
 #: a parabola does not see a peak beside which one interval is so many times as long as the other, or along which the
 #: index falls by so large a share; nor how much of that fall may be a rise before it; all chosen
 LOPSIDED, STEEP, BEFORE_FALL = 2.5, 0.15, 0.25
+#: beside a corner stress changes within less: no peak is nearer to it than the first of these shares of the critical
+#: crack, and farther from it than the second there may be one that does not show; the next position is nearer by the
+#: factor; positions that an outline has for this at least; all chosen
+SHORT_BESIDE_CORNER, FAR_FROM_CORNER, NEARER, FEWEST_AROUND = 0.02, 0.15, 0.25, 6
 #: positions that are added at a time, at most; and to one interval
 MOST, MOST_IN_INTERVAL = 32, 6
 
@@ -93,7 +97,37 @@ def find_peaks(
                 wanted = wanted[is_within(scene, outline.points(wanted % outline.length))]
             if len(wanted):
                 found.append(Peak(row, rise, np.sort(wanted % outline.length)))
+        found += [
+            Peak(row, rise, np.array([at % outline.length]))
+            for row, rise, at in _towards_corners(where, rows, outline.length, index, crack_length)
+            if rise > allowed[row] and index[row] + rise > least
+        ]
     return sorted(found, key=lambda peak: -index[peak.row])
+
+
+def _towards_corners(
+    where: Positions, rows: np.ndarray, length: float, index: np.ndarray, crack_length: np.ndarray
+) -> list[tuple[int, float, float]]:
+    """Positions next to a corner towards which the index rises, by how much it may, and an arc length nearer to it.
+
+    A crack beside a corner runs in another direction than one from it, and under shear that may be the worse one.
+    """
+    found: list[tuple[int, float, float]] = []
+    if len(rows) < FEWEST_AROUND:
+        return found
+    for i in np.flatnonzero(np.isfinite(where.corner[rows])):
+        for side in (-1, 1):
+            near, far = (int(rows[(i + k * side) % len(rows)]) for k in (1, 2))
+            away = abs((where.s[near] - where.s[rows[i]] + 0.5 * length) % length - 0.5 * length)
+            crack = np.nan_to_num(crack_length[near], nan=0.0)
+            rise = index[near] - index[far]
+            if away > FAR_FROM_CORNER * crack:
+                rise = max(rise, BEFORE_FALL * index[near])
+            if np.isfinite(where.corner[[near, far]]).any() or not rise > 0:
+                continue
+            if away > SHORT_BESIDE_CORNER * crack:
+                found.append((near, float(rise), float(where.s[rows[i]] + side * NEARER * away)))
+    return found
 
 
 def _maxima(rows: np.ndarray, index: np.ndarray) -> list[tuple[int, int, int]]:

@@ -111,3 +111,27 @@ def test_a_peak_between_positions_of_unequal_distances_is_looked_for():
     assert find_peaks(scene, where, index, np.full(6, 0.2), np.full(6, 0.1)) == []
     # a crack longer than the intervals sees no peak in them
     assert find_peaks(scene, where, index, np.full(6, 0.0036), np.full(6, 20.0)) == []
+
+
+def test_beside_a_corner_that_shear_turns_the_worst_crack_from_positions_are_added():
+    # a sharp notch under shear: at the corner, along its bisector, the index is 1.27, on its flank 1.50
+    scene = gallery.circular_hole(
+        holes=[
+            {"shape": "rectangle", "center": [50.0, 50.0], "size": [40.0, 30.0], "corner_radius": 0.0},
+        ]
+    )
+    where = find_positions(scene, 40)
+    corner = np.flatnonzero(np.isfinite(where.corner))[1]
+    away = (where.s - where.s[corner])[:, None]
+    index = np.exp(-np.abs(away[:, 0]) / 3.0) * np.where(away[:, 0] > 0, 1.0, 0.3)
+    index[corner] = 0.8
+    peaks = find_peaks(scene, where, index, np.full(len(index), 0.01), np.full(len(index), 1.0))
+    wanted = np.concatenate([peak.wanted for peak in peaks])
+    next_to = where.s[corner + 1] - where.s[corner]
+    assert (where.s[corner] + 0.25 * next_to) == pytest.approx(
+        wanted[np.abs(wanted - where.s[corner]).argmin()]
+    )
+    # the other flank is far below, and a crack as long as the distance sees nothing there
+    assert (wanted > where.s[corner]).all()
+    long = find_peaks(scene, where, index, np.full(len(index), 0.01), np.full(len(index), 60 * next_to))
+    assert not any(len(peak.wanted) for peak in long if peak.row == corner + 1)
