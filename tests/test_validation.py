@@ -294,6 +294,14 @@ def test_voxel_displacements_agree_with_a_body_fitted_model():
 
 
 @pytest.mark.slow
+def test_random_voxel_problems_converge_or_are_refused():
+    checks = script("voxel_robustness").main(quick=True)
+    assert len(checks) == 3
+    for check in checks:
+        assert check.holds, check
+
+
+@pytest.mark.slow
 def test_a_check_of_a_value_that_is_not_a_number_never_holds():
     Check = script("checks").Check
     assert not Check("", "", 1.0, float("nan"), 0.1).holds
