@@ -133,6 +133,7 @@ def itself(path):
         "forces {}.frd",
         "forces {}.vtu --young 1 --poisson 0.3",
         "forces model.frd --inp {}.inp",
+        "forces {}_beside.frd",
         "info {}.nc",
         "optimize cantilever --grid 4x3 --algorithm fs -o sa.nc --resume",
         "optimize cantilever --grid 4x3 --algorithm brute-force -o sa.nc --resume",
@@ -147,8 +148,9 @@ def test_what_is_no_file_is_refused_at_once(tmp_path, monkeypatch, make, command
         )
         (tmp_path / f"{kind}.toml").write_text(text)
     shutil.copy(ROOT / "tests" / "data" / "plate_2d.frd", tmp_path / "model.frd")
+    shutil.copy(ROOT / "tests" / "data" / "plate_2d.frd", tmp_path / "x_beside.frd")
     (tmp_path / "sa.journals").mkdir()
-    for name in ("x.toml", "x.csv", "x.png", "x.frd", "x.vtu", "x.nc", "x.inp"):
+    for name in ("x.toml", "x.csv", "x.png", "x.frd", "x.vtu", "x.nc", "x.inp", "x_beside.inp"):
         make(tmp_path / name)
     for name in ("run-0.sqlite", "brute-force.npz"):
         make(tmp_path / "sa.journals" / name)

@@ -13,6 +13,23 @@ from skimage.filters import threshold_otsu
 
 Array = NDArray[np.float64]
 
+#: pixel formats that are decoded here; others, as EPS, start a program of their own or hold no picture of a plate
+FORMATS = (
+    "PNG",
+    "JPEG",
+    "JPEG2000",
+    "TIFF",
+    "GIF",
+    "BMP",
+    "DIB",
+    "WEBP",
+    "AVIF",
+    "PPM",
+    "PCX",
+    "TGA",
+    "SGI",
+    "QOI",
+)
 MAX_PIXELS = 50_000_000
 #: difference between dark and light, as a share of the range of grey values
 MIN_CONTRAST = 0.2
@@ -39,7 +56,7 @@ def size_in_header(path: Path) -> tuple[int, int]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is tighter
-            with Image.open(path) as picture:
+            with Image.open(path, formats=FORMATS) as picture:
                 columns, rows = picture.size
                 if columns * rows > MAX_PIXELS:
                     raise _TooLargeError(
@@ -53,7 +70,7 @@ def size_in_header(path: Path) -> tuple[int, int]:
     except Image.DecompressionBombError as error:
         raise ValueError(f"the picture is too large, at most {MAX_PIXELS:,} pixels are read") from error
     except Exception as error:  # every decoder raises its own kind
-        raise ValueError("not a readable picture (PNG, JPEG, TIFF, GIF or BMP)") from error
+        raise ValueError("not a readable picture (PNG, JPEG, TIFF, GIF, BMP or the like)") from error
     if frames > 1:
         raise ValueError(f"the picture holds {frames} pages or frames; it must hold one")
     return (rows, columns) if turned else (columns, rows)
@@ -68,7 +85,7 @@ def grey_values(path: Path) -> Array:
         When the picture cannot be decoded, or its values are not finite or not between 0 and 1.
     """
     try:
-        with Image.open(path) as opened:
+        with Image.open(path, formats=FORMATS) as opened:
             opened.load()
             picture = ImageOps.exif_transpose(opened)
             return _to_grey(picture)

@@ -12,6 +12,7 @@ from slmm.fem.elements import element_named
 from slmm.fem.inp_lines import Block, Line, blocks, plain, real, whole
 from slmm.fem.inp_materials import AFTER_MATERIAL, OPTIONS, elasticity
 from slmm.fem.inp_model import InpModel, Section
+from slmm.input_file import check_input
 
 #: keywords, and types of initial conditions, after which stresses are no longer the answer to the displacements alone
 BEYOND = re.compile("CHANGEMATERIAL|CHANGEPLASTIC|CHANGESOLIDSECTION|INITIALSTRAININCREASE|MODELCHANGE")
@@ -62,6 +63,7 @@ def read_inp(path: str | Path) -> InpModel:
     >>> model.materials, model.nlgeom
     ({'M': Elasticity(E=2960.0, nu=0.35, state='plane strain')}, False)
     """
+    check_input(path)
     return _Reader(Path(path)).model()
 
 

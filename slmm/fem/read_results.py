@@ -8,6 +8,7 @@ what a linear program computed itself there. The nodal values of a file are mean
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -120,7 +121,7 @@ def read_element_results(
     if of_calculix:
         result, displacement = frd_displacements(path, step, field)
         beside = path.with_suffix(".inp") if inp is None else Path(inp)
-        input_file = read_inp(beside) if beside.is_file() else None
+        input_file = read_inp(beside) if os.path.lexists(beside) else None
     else:
         mesh = mesh_displacements(path, step, field)
     try:

@@ -98,6 +98,15 @@ def test_pictures_of_every_kind_are_read(tmp_path, mode, suffix):
     assert outline.length == pytest.approx(30 * np.pi, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    "kind", [b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n", b"\x01\x00\x09\x00\x00\x03"]
+)
+def test_formats_that_are_programs_are_none(tmp_path, kind):
+    (tmp_path / "a.png").write_bytes(kind + bytes(100))
+    with pytest.raises(ValueError, match="not a readable picture"):
+        outlines_in_picture(tmp_path / "a.png", 1.0, 60.0, 60.0)
+
+
 def test_transparent_is_white(tmp_path):
     alpha = np.where(disc(), 255, 0).astype(np.uint8)
     Image.merge("LA", [Image.new("L", (60, 60), 0), Image.fromarray(alpha)]).save(tmp_path / "a.png")
