@@ -99,34 +99,93 @@ def find_peaks(
                 found.append(Peak(row, rise, np.sort(wanted % outline.length)))
         found += [
             Peak(row, rise, np.array([at % outline.length]))
-            for row, rise, at in _towards_corners(where, rows, outline.length, index, crack_length)
+            for row, rise, at in _towards_ends(_ends(scene, outline, where, rows), where, index, crack_length)
             if rise > allowed[row] and index[row] + rise > least
         ]
     return sorted(found, key=lambda peak: -index[peak.row])
 
 
-def _towards_corners(
-    where: Positions, rows: np.ndarray, length: float, index: np.ndarray, crack_length: np.ndarray
-) -> list[tuple[int, float, float]]:
-    """Positions next to a corner towards which the index rises, by how much it may, and an arc length nearer to it.
+class _End(NamedTuple):
+    """A corner, or where the outline leaves the plate, as seen from one side.
 
-    A crack beside a corner runs in another direction than one from it, and under shear that may be the worse one.
+    Attributes
+    ----------
+    s : float
+        Its arc length, mm.
+    near, far : int
+        The positions next to it.
+    side : int
+        1 where these have the larger arc lengths, else -1.
+    away : float
+        Distance of the nearer one along the outline, mm.
     """
-    found: list[tuple[int, float, float]] = []
+
+    s: float
+    near: int
+    far: int
+    side: int
+    away: float
+
+
+def _ends(scene: Scene, outline: Outline, where: Positions, rows: np.ndarray) -> list[_End]:
+    """Ends of the smooth stretches of an outline on which there are at least two positions."""
+    found: list[_End] = []
     if len(rows) < FEWEST_AROUND:
         return found
-    for i in np.flatnonzero(np.isfinite(where.corner[rows])):
+    for i, row in enumerate(rows):
         for side in (-1, 1):
             near, far = (int(rows[(i + k * side) % len(rows)]) for k in (1, 2))
-            away = abs((where.s[near] - where.s[rows[i]] + 0.5 * length) % length - 0.5 * length)
-            crack = np.nan_to_num(crack_length[near], nan=0.0)
-            rise = index[near] - index[far]
-            if away > FAR_FROM_CORNER * crack:
-                rise = max(rise, BEFORE_FALL * index[near])
-            if np.isfinite(where.corner[[near, far]]).any() or not rise > 0:
+            if np.isfinite(where.corner[row]):
+                end = float(where.s[row])
+            else:
+                # the same two positions as seen from where the outline leaves the plate before them
+                near, far = int(row), near
+                start = float(where.s[rows[(i - side) % len(rows)]])
+                crossing = _leaves(scene, outline, float(where.s[row]), start, -side)
+                if crossing is None:
+                    continue
+                end = crossing
+            if np.isfinite(where.corner[[near, far]]).any():
                 continue
-            if away > SHORT_BESIDE_CORNER * crack:
-                found.append((near, float(rise), float(where.s[rows[i]] + side * NEARER * away)))
+            away = (side * (where.s[near] - end)) % outline.length
+            found.append(_End(end, near, far, side, float(away)))
+    return found
+
+
+def _leaves(scene: Scene, outline: Outline, s: float, other: float, side: int) -> float | None:
+    """Arc length, mm, at which the outline leaves the plate on the way from a position to the next; None if not."""
+    distance = (side * (other - s)) % outline.length
+    at = s + side * distance * np.linspace(0, 1, 65)
+    inside = is_within(scene, outline.points(at % outline.length))
+    if inside.all():
+        return None
+    last = int(np.argmin(inside))
+    within, outside = at[max(last - 1, 0)], at[last]
+    for _ in range(40):
+        middle = 0.5 * (within + outside)
+        if is_within(scene, outline.points(np.array([middle % outline.length])))[0]:
+            within = middle
+        else:
+            outside = middle
+    return float(within)
+
+
+def _towards_ends(
+    ends: list[_End], where: Positions, index: np.ndarray, crack_length: np.ndarray
+) -> list[tuple[int, float, float]]:
+    """Positions towards whose end the index rises, by how much it may, and an arc length nearer to that.
+
+    A crack beside a corner runs in another direction than one from it, and under shear that may be the worse one;
+    where a notch leaves a plate whose edge is held, the stress may be singular.
+    """
+    found = []
+    for end in ends:
+        crack = np.nan_to_num(crack_length[end.near], nan=0.0)
+        rise = float(index[end.near] - index[end.far])
+        if end.away > FAR_FROM_CORNER * crack:
+            rise = max(rise, BEFORE_FALL * float(index[end.near]))
+        if rise > 0 and end.away > SHORT_BESIDE_CORNER * crack:
+            found.append((end.near, rise, end.s + end.side * NEARER * end.away))
     return found
 
 

@@ -135,3 +135,26 @@ def test_beside_a_corner_that_shear_turns_the_worst_crack_from_positions_are_add
     assert (wanted > where.s[corner]).all()
     long = find_peaks(scene, where, index, np.full(len(index), 0.01), np.full(len(index), 60 * next_to))
     assert not any(len(peak.wanted) for peak in long if peak.row == corner + 1)
+
+
+def test_where_a_notch_leaves_the_plate_the_index_may_rise_to_the_edge():
+    scene = gallery.circular_hole(
+        holes=[{"shape": "circle", "center": [50.0, 0.0], "radius": 20.0}], load={"strain": [0.0, 0.0, 0.1]}
+    )
+    where = find_positions(scene, 30)
+    height = where.points[:, 1]
+    assert 0 < height.min() < 2
+    right = where.points[:, 0] > 50
+    index = np.where(right, (height + 0.01) ** -0.3, 0.1)
+    peaks = find_peaks(scene, where, index, np.zeros(len(index)), np.full(len(index), 0.1))
+    wanted = np.concatenate([peak.wanted for peak in peaks])
+    (outline,) = scene.outlines
+    x, y = outline.points(wanted).T
+    # a quarter of the way from the lowest position to the edge
+    assert y.min() == pytest.approx(0.25 * height[right].min(), rel=0.05)
+    assert x[y.argmin()] > 50
+    # none where the crack is far longer than what is left
+    long = find_peaks(scene, where, index, np.zeros(len(index)), np.full(len(index), 200.0))
+    assert all(
+        outline.points(peak.wanted)[:, 1].min() > 0.3 * height.min() for peak in long if len(peak.wanted)
+    )
