@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,6 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from shapely import STRtree, prepare
-from shapely import polygons as polygons_of
 
 from slmm.contours import shapes
 from slmm.contours.checks import crack_problems, edges_of, hole_problems, overlaps_united, position_problems
@@ -34,6 +32,9 @@ from slmm.input_file import input_problem, shown
 from slmm.material import LEAST, MATERIALS, MOST, Material, State
 from slmm.scene_error import SceneError, problems_of
 from slmm.toml_file import read_toml
+
+if TYPE_CHECKING:
+    from slmm.contours.rays import Lines
 
 Array = NDArray[np.float64]
 Method = Literal[
@@ -456,11 +457,11 @@ class Scene(Table):
         return tuple(outline for _, outline in self._named_outlines)
 
     @cached_property
-    def notches(self) -> STRtree:
-        """The outlines as polygons, in a tree that finds those near a line."""
-        polygons = polygons_of([outline.polygon(POLYGON_POINTS) for outline in self.outlines])
-        prepare(polygons)
-        return STRtree(polygons)
+    def notches(self) -> Lines:
+        """The outlines as polygons, for rays to meet."""
+        from slmm.contours.rays import Lines  # imports numba, which scenes do without
+
+        return Lines.of([outline.polygon(POLYGON_POINTS) for outline in self.outlines], closed=True)
 
     @cached_property
     def _named_outlines(self) -> tuple[tuple[str, Outline], ...]:

@@ -3,8 +3,8 @@
 Scenes are those of random_parts.py: one to four holes and notches of every shape, round and sharp, near edges and near
 each other, three kinds of load, Irwin's length 0.02 to 5 times the radius of a notch. Of every third one the default
 method sees a picture alone. The truth is that of the outlines drawn: `auto` at 200 positions (at 50 or more of each
-outline), with full FEA at the three highest of its peaks. The load is scaled such that the true index lies between 0.9
-and 1.1, where words matter.
+outline), with full FEA at the three highest of its peaks, and where the default's peak is higher, at that. The load is
+scaled such that the true index lies between 0.9 and 1.1, where words matter.
 
 Required: no scene raises; in none do the words promise what the truth refutes. They do where they say that no crack
 starts and the true index is 1 or more, where they say that one starts and it is less by more than the stated error,
@@ -104,6 +104,8 @@ def examine(number: int, positions: int, true_positions: int) -> Row:
             start = time.perf_counter()
             result = failure_indices(scaled(seen, factor), "auto", positions=positions)
             row["seconds"] = time.perf_counter() - start
+            if not row["picture"] and np.nanmax(result.failure_index, initial=0.0) > true + own:
+                true, own, by = max((true, own, by), at_its_peak(scaled(part.scene, factor), result))
         # whatever a scene raises is a finding, and the study goes on
         except Exception as error:
             return row | {"raised": f"{type(error).__name__}: {error}"}
@@ -135,6 +137,16 @@ def truth(scene: Scene, positions: int) -> tuple[float, float, str]:
         else str(result.used_method.values[candidates[top]])
     )
     return float(values[top]), float(errors[top]), by
+
+
+def at_its_peak(scene: Scene, result: xr.Dataset) -> tuple[float, float, str]:
+    """The index by full FEA where a result has its highest one, its error and method; 0 where there is none."""
+    top = int(np.nanargmax(result.failure_index.values))
+    points = [[float(result.x[top]), float(result.y[top])]]
+    full = failure_indices(scene.with_(analysis={"points": points}), "full-fea").isel(position=0)
+    if np.isnan(full.failure_index):
+        return 0.0, 0.0, "none"
+    return float(full.failure_index), float(full.failure_index_error), "full-fea"
 
 
 def scaled(scene: Scene, factor: float) -> Scene:

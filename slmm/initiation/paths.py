@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from slmm.contours.rays import Lines, distances_along
 from slmm.initiation.positions import Positions
 from slmm.scene import Scene
 
@@ -17,10 +18,6 @@ IN_IRWIN_LENGTHS = 0.7
 LONGER = 4.0
 #: and as a share of the ligament
 IN_LIGAMENT = 0.8
-#: length of the first rays that look for the next surface, over width and height of the plate
-FIRST_RAYS = 1 / 64
-#: segments of an outline that are looked at together
-PIECE = 50
 #: a ligament's computed end is this near to the true outline, as a share of the plate's longer side
 CLOSE = 1e-5
 #: steps from a surface into the body, as shares of the plate's width and height together
@@ -91,10 +88,9 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
     """Distances (n,) from surface points (n, 2) along directions (n, 2) to the next surface or crack, mm."""
     plate = shapely.box(0, 0, scene.plate.width, scene.plate.height)
     rings = [outline.polygon(2000) for outline in scene.outlines]
+    closed = [np.array(plate.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)]
+    lines = Lines.of([*closed, *(np.array(crack.points) for crack in scene.cracks)])
     reach = scene.plate.width + scene.plate.height
-    surfaces = _pieces([np.array(plate.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)])
-    lines = [*surfaces, *(shapely.LineString(crack.points) for crack in scene.cracks)]
-    tree = shapely.STRtree(lines)
     result = np.full(len(points), OFFSETS[-1] * reach)
     todo = np.arange(len(points))
     # the outlines' polygons are a little off the points; a ligament may be thinner than the first step into the body
@@ -102,26 +98,10 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
         start = points[todo] + offset * reach * direction[todo]
         inside = _in_the_body(start, plate, rings)
         found = todo[inside]
-        result[found] = offset * reach + _along_rays(start[inside], direction[found], tree, reach)
+        # a ray through the plate's very corner may slip out between its edges
+        way = np.minimum(distances_along(start[inside], direction[found], lines), reach)
+        result[found] = offset * reach + way
         todo = todo[~inside]
-    return result
-
-
-def _along_rays(start: np.ndarray, direction: np.ndarray, tree: shapely.STRtree, reach: float) -> np.ndarray:
-    """Distances (n,) from points (n, 2) in the body along directions (n, 2) to the nearest line of a tree, mm."""
-    result = np.zeros(len(start))
-    left = np.arange(len(start))
-    # short rays first: most end at a neighbour, and what lies farther away is not looked at
-    length = FIRST_RAYS * reach
-    while len(left) and length <= 2 * reach:  # a ray of that length has left the plate
-        ends = np.stack([start[left], start[left] + length * direction[left]], axis=1)
-        ray, line = tree.query(shapely.linestrings(ends), predicate="intersects")
-        hits = shapely.intersection(shapely.linestrings(ends[ray]), tree.geometries[line])
-        nearest = np.full(len(left), np.inf)
-        np.minimum.at(nearest, ray, shapely.distance(shapely.points(start[left[ray]]), hits))
-        ended = np.isfinite(nearest)
-        result[left[ended]] = nearest[ended]
-        left, length = left[~ended], 2 * length
     return result
 
 
@@ -134,10 +114,3 @@ def _in_the_body(points: np.ndarray, plate: shapely.Polygon, rings: Sequence[np.
         )
         inside[in_hole] = False
     return inside
-
-
-def _pieces(rings: Sequence[np.ndarray]) -> list[shapely.LineString]:
-    """Closed lines (n, 2) in short pieces, of which a tree finds few near a ray."""
-    return [
-        shapely.LineString(ring[k : k + PIECE + 1]) for ring in rings for k in range(0, len(ring) - 1, PIECE)
-    ]

@@ -14,12 +14,10 @@ the edge by which the plate is pulled) nothing was measured, and no correction i
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
-import shapely
 
 from slmm.contours.outline import Outline
+from slmm.contours.rays import Lines, are_inside, distances_along
 from slmm.initiation.placement import CELL_HEIGHT, CELL_LENGTH
 from slmm.scene import Load, Scene
 
@@ -31,8 +29,8 @@ FACTORS = {
     "loaded": (0.0, -5.5),  # a given traction: the crack lets the part beyond it turn away
 }
 
-#: the way to the edge begins beside the notch, and ends for most positions of many at a neighbour
-STRETCHES = (0.02, 0.1, 0.3, 1.0)
+#: the way to the edge begins beside the notch, at this share of it
+BESIDE = 0.02
 
 #: rho beyond which edges and other notches are too near for the estimate
 LIMIT = 0.7
@@ -89,18 +87,11 @@ def _to_edge(
     return np.maximum(steps.min(axis=1), 1e-9 * width), steps[:, 1] < steps[:, 0]
 
 
-def _blocked(
-    notches: shapely.STRtree, start: np.ndarray, direction: np.ndarray, distance: np.ndarray
-) -> np.ndarray:
+def _blocked(notches: Lines, start: np.ndarray, direction: np.ndarray, distance: np.ndarray) -> np.ndarray:
     """Whether a notch lies between the points and the edge."""
-    blocked = np.zeros(len(start), dtype=bool)
-    step = distance[:, None] * direction
-    for near, far in pairwise(STRETCHES):
-        left = np.flatnonzero(~blocked)
-        rays = shapely.linestrings(np.stack([start + near * step, start + far * step], axis=1)[left])
-        ray, notch = notches.query(rays)
-        blocked[left[ray[shapely.intersects(notches.geometries[notch], rays[ray])]]] = True
-    return blocked
+    beside = start + (BESIDE * distance)[:, None] * direction
+    met = distances_along(start, direction, notches, beyond=BESIDE * distance) <= distance
+    return met | are_inside(beside, notches)
 
 
 def supported(unbounded: np.ndarray, held: np.ndarray, rho: np.ndarray) -> np.ndarray:
