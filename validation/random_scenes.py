@@ -12,7 +12,7 @@ and where the highest index is low by more than that (unless the verdict is open
 no value.
 
 Writes validation/results/random_scenes.csv, one line a scene as soon as it is done; started again, it goes on with
-what is missing. ``--first 100 --scenes 20`` does a slice. Two hours on two cores, ``--quick`` six scenes, fewer
+what is missing. ``--first 100 --scenes 20`` does a slice. Some three hours on two cores, ``--quick`` six scenes, fewer
 positions and no file.
 """
 

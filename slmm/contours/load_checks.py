@@ -20,15 +20,15 @@ class Load(Protocol):
 
     @property
     def strain(self) -> tuple[float, float, float] | None:
-        """e_xx, e_yy, g_xy on all four edges."""
+        """e_xx, e_yy, g_xy that prescribe the displacements of all four edges."""
 
     @property
     def displacement(self) -> float | None:
-        """Of the top edge, mm; the bottom edge is held."""
+        """u_y of the top edge, mm; the bottom edge is held in y, the sides are free."""
 
     @property
     def stress(self) -> float | None:
-        """On top and bottom, MPa."""
+        """Uniform normal traction on the material of the top and bottom edge, MPa."""
 
 
 def load_problems(load: Load, edges: Edges, width: float, height: float) -> list[str]:

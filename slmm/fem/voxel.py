@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from slmm.contours.load_checks import Load
 from slmm.fem import voxel_kernels
 from slmm.fem.voxel_element import coefficients, plane_stress
-from slmm.fem.voxel_load import Load, Problem, apply_traction, pose
+from slmm.fem.voxel_load import Problem, apply_traction, pose
 from slmm.fem.voxel_multigrid import PADDING, Multigrid, padded_zeros
 from slmm.threaded import number_of_threads
 

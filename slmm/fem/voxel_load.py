@@ -3,26 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-
-class Load(Protocol):
-    """What loads the plate: exactly one of the three is not None."""
-
-    @property
-    def strain(self) -> tuple[float, float, float] | None:
-        """e_xx, e_yy, g_xy that prescribe the displacements of all four edges."""
-
-    @property
-    def displacement(self) -> float | None:
-        """u_y of the top edge, mm; the bottom edge is held in y, the sides are free."""
-
-    @property
-    def stress(self) -> float | None:
-        """Uniform normal traction on the material of the top and bottom edge, MPa."""
+from slmm.contours.load_checks import Load
 
 
 @dataclass(frozen=True)

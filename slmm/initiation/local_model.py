@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from slmm.contours.coverage import area_fraction
 from slmm.contours.edges import material_on_edges, share_of_pieces
+from slmm.contours.load_checks import Load
 from slmm.fem.voxel import solve_voxels
-from slmm.fem.voxel_load import Load
 from slmm.material import Material
 
 SMALLEST_SIDE = 16  # voxels along each side of the plate, at least

@@ -27,7 +27,7 @@ from slmm.material import Material
 COVERED = 2.0
 #: how far a narrow notch's tip may lie from where it is in the outline, in largest radii: where its flanks meet, and
 #: where they were not followed to a corner; drawn notches of 3 to 6 degrees then end 10 to 20 pixels before their tip,
-#: with a largest radius of 2; measured (tests/contours/test_picture.py)
+#: with a largest radius of 2; fitted to these (tests/contours/test_picture.py)
 FARTHEST_OF_CORNER, FARTHEST_OF_BEND = 2.0, 12.0
 #: longest crack at a tip, in Irwin's lengths and in radii of the root: the critical one is shorter
 IN_IRWIN_LENGTHS, IN_RADII = 3.0, 4.0

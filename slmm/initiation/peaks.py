@@ -13,7 +13,7 @@ import numpy as np
 
 from slmm.contours.outline import Outline
 from slmm.initiation.positions import Positions, is_within, turn_along
-from slmm.scene import Scene
+from slmm.scene import POLYGON_POINTS, Scene
 
 #: an interval along which the outline turns by less, rad, has no peak of its own; chosen: 50 positions on a circle
 #: turn by 0.13 from one to the next
@@ -102,7 +102,7 @@ def find_peaks(
                 found.append(Peak(row, rise, np.sort(wanted % outline.length)))
         found += [
             Peak(row, rise, np.array([at % outline.length]))
-            for row, rise, at in _towards_ends(_ends(scene, outline, where, rows), where, index, crack_length)
+            for row, rise, at in _towards_ends(_ends(scene, outline, where, rows), index, crack_length)
             if rise > allowed[row] and index[row] + rise > least
         ]
     return sorted(found, key=lambda peak: -index[peak.row])
@@ -139,13 +139,14 @@ def _ends(scene: Scene, outline: Outline, where: Positions, rows: np.ndarray) ->
     found: list[_End] = []
     if len(rows) < FEWEST_AROUND:
         return found
+    leaves = not is_within(scene, outline.polygon(POLYGON_POINTS)).all()
     for i, row in enumerate(rows):
         for side in (-1, 1):
             near, far = (int(rows[(i + k * side) % len(rows)]) for k in (1, 2))
             if np.isfinite(where.corner[row]):
                 end = float(where.s[row])
                 corner, beyond = int(row), int(rows[(i - side) % len(rows)])
-            else:
+            elif leaves:
                 # the same two positions as seen from where the outline leaves the plate before them
                 near, far, corner, beyond = int(row), near, -1, -1
                 start = float(where.s[rows[(i - side) % len(rows)]])
@@ -153,6 +154,8 @@ def _ends(scene: Scene, outline: Outline, where: Positions, rows: np.ndarray) ->
                 if crossing is None:
                     continue
                 end = crossing
+            else:
+                continue
             if np.isfinite(where.corner[[near, far]]).any():
                 continue
             away = (side * (where.s[near] - end)) % outline.length
@@ -179,7 +182,7 @@ def _leaves(scene: Scene, outline: Outline, s: float, other: float, side: int) -
 
 
 def _towards_ends(
-    ends: list[_End], where: Positions, index: np.ndarray, crack_length: np.ndarray
+    ends: list[_End], index: np.ndarray, crack_length: np.ndarray
 ) -> list[tuple[int, float, float]]:
     """Positions towards whose end the index rises, by how much it may, and an arc length nearer to that.
 

@@ -6,8 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from slmm.contours.load_checks import Load
 from slmm.fem.voxel_element import element_matrix
-from slmm.fem.voxel_load import Load
 
 
 def load(**given) -> Load:
