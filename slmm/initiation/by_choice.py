@@ -77,7 +77,7 @@ def by_choice(task: Task) -> Answer:
     choice.settle_negligible()
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
-    choice.ask("full FEA", by_full_fea, choice.open)
+    choice.ask("full FEA", partial(by_full_fea, least=MATTERS * choice.largest), choice.open)
     return choice.explained(NOTHING_CLOSER)
 
 

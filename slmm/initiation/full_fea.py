@@ -41,7 +41,8 @@ class FullFEA:
     G_inc : ndarray, shape (n,)
         Incremental energy release rate, released energy per crack area, N/mm.
     G_inc_error : ndarray, shape (n,)
-        Estimate of its error, N/mm: a quarter of what the last refinement changed in the extrapolated value.
+        Estimate of its error, N/mm: a quarter of what the last refinement changed in the extrapolated value, or, of two
+        meshes, in the value itself.
     eta : ndarray, shape (m,)
         Depth along the path, mm.
     sigma : ndarray, shape (m, 3)
@@ -49,7 +50,7 @@ class FullFEA:
     sigma_I : ndarray, shape (m,)
         Its maximum principal value, MPa.
     sigma_I_error : ndarray, shape (m,)
-        Estimate of its error, MPa, likewise.
+        Estimate of its error, MPa: by how much it differs from that of the last mesh, or, of two meshes, of the first.
     start, direction : ndarray, shape (2,)
         The crack's mouth, mm, and the unit vector along the path.
     severs : bool
@@ -83,8 +84,9 @@ def full_fea_curves(
     singular: bool = False,
     loading: Loading = plate_load,
     end: np.ndarray | None = None,
+    levels: int = LEVELS,
 ) -> FullFEA:
-    """Released energy and stress along a straight crack path by full FEA, extrapolated from three meshes.
+    """Released energy and stress along a straight crack path by full FEA, extrapolated from three meshes or two.
 
     Parameters
     ----------
@@ -106,7 +108,7 @@ def full_fea_curves(
         In place of a notch: any boundary point or crack tip, mm, and the direction of the path from it.
     size_max, angle_max : float, optional
         Largest element (mm, by default an eighth of the plate's shorter side) and largest turn (rad) of an
-        outline along one, in the coarsest of the three meshes.
+        outline along one, in the coarsest of the meshes.
     singular : bool
         The path starts at a corner or a crack tip, where the stress is infinite.
     loading : callable
@@ -114,6 +116,8 @@ def full_fea_curves(
     end : ndarray, shape (2,), optional
         Point of the boundary where the path leaves the material, mm; in place of ``a_max``. The lengths are then
         dense towards both ends, (2 n_lengths - 1,) with tips and the severed ligament as the last one.
+    levels : int
+        Number of meshes, 2 or 3.
 
     Returns
     -------
@@ -165,7 +169,7 @@ def full_fea_curves(
     last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + tips[:, None] * along)[1]
     released, stress = [], []
     opening = np.ones(len(a))
-    for level in range(LEVELS):
+    for level in range(levels):
         model = SlitModel(mesh, scene, loading)
         energy = model.released_energy()[last_nodes * 2**level]
         if end is not None:
@@ -177,17 +181,19 @@ def full_fea_curves(
         if np.any(np.isnan(stress[-1])):
             deep = eta[np.isnan(stress[-1]).any(axis=1)][0]
             raise ValueError(f"eta = {deep!r} mm: the path has left the material there")
-        mesh = mesh.refined()
+        mesh = mesh.refined() if level < levels - 1 else mesh
     # the tip's linear error cancels; what remains falls more than eightfold with every refinement
-    before, G_inc = 2 * released[1] - released[0], 2 * released[2] - released[1]
+    G_inc = 2 * released[-1] - released[-2]
+    before = 2 * released[-2] - released[-3] if levels == LEVELS else released[-1]
     before, G_inc = (until_closed(a * G, opening) / a for G in (before, G_inc))
     # at a single length the change may vanish by chance: the largest along the path counts for all, but where the crack
     # all but closes
     change = np.abs(G_inc - before)
     opens = G_inc / a > CLOSING * np.max(G_inc / a)
     G_inc_error = np.maximum(np.max(change[opens] / G_inc[opens], initial=0.0) * G_inc, change) / 4
-    sigma = (8 * stress[2] - stress[1]) / 7
+    sigma = (8 * stress[-1] - stress[-2]) / 7
     sigma_I = principal_stress(sigma)
+    sigma_I_before = principal_stress(stress[-1] if levels == LEVELS else stress[0])
     return FullFEA(
         a=a,
         G_inc=G_inc,
@@ -195,7 +201,7 @@ def full_fea_curves(
         eta=eta,
         sigma=sigma,
         sigma_I=sigma_I,
-        sigma_I_error=np.abs(sigma_I - principal_stress(stress[2])),
+        sigma_I_error=np.abs(sigma_I - sigma_I_before),
         start=origin,
         direction=along,
         severs=end is not None,
