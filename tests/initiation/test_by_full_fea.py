@@ -1,11 +1,15 @@
 """Method full-fea: paths that are long enough, up to those that sever the ligament."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from slmm import failure_indices, gallery
 from slmm.initiation import by_full_fea
-from slmm.initiation.by_full_fea import TOO_SHORT
+from slmm.initiation.by_full_fea import TOO_SHORT, sampled
+from slmm.initiation.failure import METHODS
+from slmm.initiation.full_fea import FullFEA, full_fea_curves
 
 pytest.importorskip("netgen")
 
@@ -59,3 +63,48 @@ def test_a_load_that_carries_the_severed_part_away_needs_the_strength_alone():
     least = float(result.sigma_I.min()) / SIGMA_C
     assert 1.0 < least * SIGMA_C / 10.0 < 2.0  # in the middle, less than the mean of 20 MPa
     assert float(result.failure_index) == pytest.approx(least, rel=0.01)
+
+
+@pytest.mark.parametrize("corner", [False, True])
+def test_two_meshes_do_where_they_meet_the_tolerance(monkeypatch, corner):
+    """Their estimate covers what three meshes differ by, and a small tolerance asks for the third."""
+    scene = (
+        gallery.v_notch(analysis={"points": [[10.0, 60.0]]})
+        if corner
+        else gallery.circular_hole(analysis={"points": [[70.0, 50.0]]})
+    )
+    truth = failure_indices(scene, "full-fea").isel(position=0)
+    asked = []
+
+    def noted(*arguments, levels, **keywords):
+        asked.append(levels)
+        return full_fea_curves(*arguments, levels=levels, **keywords)
+
+    monkeypatch.setattr(by_full_fea, "full_fea_curves", noted)
+    monkeypatch.setitem(METHODS, "full-fea", partial(by_full_fea.by_full_fea, least=0.0))
+    for tolerance, levels in ((0.02, [2]), (0.0005, [2, 3])):
+        asked.clear()
+        result = failure_indices(scene, "full-fea", tolerance=tolerance).isel(position=0)
+        assert asked == levels
+        off = abs(float(result.failure_index - truth.failure_index))
+        assert off <= float(result.failure_index_error) <= 0.02 * float(truth.failure_index)
+    # three meshes are those of the method by its own name
+    assert off == 0
+
+
+def test_energy_of_a_narrow_notch_does_not_rise_towards_its_tip():
+    """Its power law has an exponent near zero, whose sign round-off may turn: 0.1 % were an infinite index."""
+    a = np.geomspace(0.01, 1.0, 20)
+    model = FullFEA(
+        a=a,
+        G_inc=a**-0.001,
+        G_inc_error=0.001 * a,
+        eta=a,
+        sigma=np.zeros((20, 3)),
+        sigma_I=a**-0.5,
+        sigma_I_error=0.001 * a,
+        start=np.zeros(2),
+        direction=np.array([1.0, 0.0]),
+    )
+    curves = sampled(model, np.radians(5.0))
+    assert curves.G_inc.max() == pytest.approx(0.01**-0.001, rel=1e-6)
