@@ -77,7 +77,7 @@ def by_choice(task: Task) -> Answer:
     choice.settle_negligible()
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
-    choice.ask("full FEA", partial(by_full_fea, least=MATTERS * choice.largest), choice.open)
+    choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
     return choice.explained(NOTHING_CLOSER)
 
 
@@ -100,6 +100,13 @@ class _Choice:
         """Largest failure index so far; of bounds the lower ones count."""
         at_least = np.where(self.bounded, self.index * (1 - self.answer.error), self.index)
         return float(np.nanmax(at_least, initial=0.0))
+
+    @property
+    def highest(self) -> np.ndarray:
+        """What the index is at most (n,); infinite where nothing is known."""
+        known = self.answer.status == "ok"
+        error = np.nan_to_num(self.answer.index_error, nan=np.inf)
+        return np.where(known, np.nan_to_num(self.index) + error, np.inf)
 
     @property
     def bounded(self) -> np.ndarray:
@@ -140,6 +147,14 @@ class _Choice:
                 said = f"error {_percent(found.error[k])}" if status[k] == "ok" else str(status[k])
                 self.passed_over[i].append(f"{name}: {said}")
 
+    def ask_one_by_one(self, name: str, method: Callable[..., Answer], rows: np.ndarray) -> None:
+        """Ask a dear method, the most dangerous position first: what it finds there may leave others far below."""
+        for k, i in enumerate(rows[np.argsort(-self.highest[rows], kind="stable")]):
+            if not self.settled[i]:
+                self.task.progress(k / len(rows), f"{name}, position {k + 1} of {len(rows)}")
+                self.ask(name, partial(method, least=MATTERS * self.largest), np.array([i]))
+                self.settle_negligible()
+
     def settle(self) -> None:
         """Find the positions whose error is small enough beside their index or the largest one."""
         allowed = self.task.tolerance * np.maximum(self.index, MATTERS * self.largest)
@@ -152,9 +167,7 @@ class _Choice:
     @property
     def negligible(self) -> np.ndarray:
         """Which positions have an index far below the largest, whatever its error."""
-        known = self.answer.status == "ok"
-        error = np.nan_to_num(self.answer.index_error, nan=np.inf)
-        return known & (np.nan_to_num(self.index) + error < NEGLIGIBLE * self.largest)
+        return self.highest < NEGLIGIBLE * self.largest
 
     def explained(self, rest: str) -> Answer:
         """The answer with its reasons; ``rest`` is why the positions left open stay so."""

@@ -44,7 +44,8 @@ def by_full_fea(task: Task, least: float | None = None) -> Answer:
     """
     answer = Answer.empty(task.n, "full-fea")
     for i in range(task.n):
-        task.progress(i / task.n, f"full FEA, position {i + 1} of {task.n}")
+        if task.n > 1:  # of a single one, whoever asks says where it stands
+            task.progress(i / task.n, f"full FEA, position {i + 1} of {task.n}")
         _at_position(task, answer, i, least)
     for k, outline in enumerate(task.scene.outlines):
         smooth = task.smooth & (task.where.hole == k)
