@@ -6,7 +6,8 @@ a model with a slit for the position. Each method is asked only at the positions
 settle, and the result says what was used where, and why.
 
 The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
-of indices below a quarter of the largest it is the tolerance of that quarter.
+of indices below a quarter of the largest it is the tolerance of that quarter. Where nothing is under tension, and all
+indices are 0, a quarter of the index that a circular hole would have in tension takes its place.
 
 Where a method's curves end before both conditions meet, they still bound the index, from below by what they reach and
 from above by the stress at their end. The middle is then the value, with half the difference as its error, until a
@@ -24,6 +25,7 @@ import numpy as np
 
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
+from slmm.initiation.cell_errors import reference_stress
 from slmm.initiation.criterion import NONE
 from slmm.initiation.curves import index_bounds
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
@@ -166,8 +168,11 @@ class _Choice:
 
     @property
     def negligible(self) -> np.ndarray:
-        """Which positions have an index far below the largest, whatever its error."""
-        return self.highest < NEGLIGIBLE * self.largest
+        """Which positions have an index far below the largest, or, where all are 0, below what is asked of a hole."""
+        if self.largest > 0:
+            return self.highest < NEGLIGIBLE * self.largest
+        of_hole = reference_stress(self.task.scene) / self.task.scene.material.sigma_c
+        return self.highest <= self.task.tolerance * MATTERS * of_hole
 
     def explained(self, rest: str) -> Answer:
         """The answer with its reasons; ``rest`` is why the positions left open stay so."""

@@ -136,3 +136,17 @@ def test_every_position_says_what_was_used_and_why():
         BOUNDS,
     }
     assert all(result.reason.values) and result.attrs["tolerance"] == 0.02
+
+
+@pytest.mark.parametrize("stress", [-10.0, -1000.0])
+def test_where_nothing_is_under_tension_few_positions_need_full_fea(stress):
+    """Errors relative to indices that are all 0 would have no meaning, whatever the load."""
+    scene = gallery.circular_hole(
+        holes=[{"shape": "rectangle", "center": [50.0, 50.0], "size": [8.0, 60.0], "corner_radius": 0.1}],
+        load={"strain": [stress / 2960.0, stress / 2960.0, 0.0]},
+    )
+    result = failure_indices(scene, "auto", positions=12)
+    assert np.all(result.failure_index == 0)
+    reference = 3.0 * abs(stress) / 70.5
+    assert np.all(result.failure_index_error <= 0.02 * MATTERS * reference)
+    assert np.sum(result.used_method == "full-fea") <= 3
