@@ -134,8 +134,10 @@ def truth(scene: Scene, positions: int) -> tuple[float, float, str]:
         if len(candidates) < CANDIDATES and all(np.linalg.norm(at[i] - at[k]) > near for k in candidates):
             candidates.append(int(i))
     full = failure_indices(scene.with_(analysis={"points": at[candidates].tolist()}), "full-fea")
-    values = np.where(np.isnan(full.failure_index), FI[candidates], full.failure_index)
-    errors = np.where(np.isnan(full.failure_index), error[candidates], full.failure_index_error)
+    # where full FEA has no value either, what the index is at least
+    missing, at_least = np.isnan(full.failure_index.values), (FI - error)[candidates]
+    values = np.where(missing, np.maximum(at_least, 0.0), full.failure_index)
+    errors = np.where(missing, 0.0, full.failure_index_error)
     top = int(values.argmax())
     by = (
         "full-fea"
