@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from slmm.gallery import lobes
+from slmm.scene.gallery import lobes
 
 PIXELS, PIXEL_SIZE = 600, 0.1
 SUBPIXELS = 8  # per pixel and direction; their mean is the grey value

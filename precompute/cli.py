@@ -22,9 +22,9 @@ from rich.progress import (
 from precompute.spec import SweepSpec, read_spec
 from precompute.store import assemble, write
 from precompute.sweep import run_sweep
-from slmm.input_file import shown
-from slmm.terminal import Application, console, errors, refusals, say_error
-from slmm.whole_file import NotWrittenError
+from slmm.command.terminal import Application, console, errors, refusals, say_error
+from slmm.running.input_file import shown
+from slmm.running.whole_file import NotWrittenError
 
 app = Application(add_completion=False)
 DEFAULT_OUTPUT = Path("models/cells.nc")

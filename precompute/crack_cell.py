@@ -18,7 +18,7 @@ from numpy.polynomial.chebyshev import chebvander
 from precompute.grading import Fineness, crack_line, graded
 from precompute.half_body import HalfBody
 from precompute.modes import Mode
-from slmm.fem.crack_line import crack_factor
+from slmm.mechanics.crack_line import crack_factor
 
 #: half of the cell's height h' = 2 mm in the image space (Paper A, Table 1)
 HALF_HEIGHT = 1.0

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 import skfem
 
-from slmm.fem.crack_line import crack_factor
+from slmm.mechanics.crack_line import crack_factor
 
 
 class HalfBody:

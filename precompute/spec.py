@@ -11,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from precompute.grading import Fineness
 from precompute.modes import Mode, complete_modes, published_modes
-from slmm.input_file import shown
-from slmm.scene_error import problems_of
-from slmm.toml_file import read_toml
+from slmm.running.input_file import shown
+from slmm.scene.errors import problems_of
+from slmm.scene.toml_file import read_toml
 
 #: Effective Poisson's ratios that the default database spans: plane stress from -0.9, plane strain to 0.4949.
 POISSON_RANGE = (-0.9, 0.98)

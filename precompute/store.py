@@ -16,9 +16,9 @@ from precompute.crack_cell import HALF_HEIGHT, right_edge
 from precompute.spec import SweepSpec
 from precompute.sweep import read_part
 from slmm import __version__
-from slmm.cell_file import LAYOUT, SCHEMA
-from slmm.model_file import checksum
-from slmm.whole_file import whole_file
+from slmm.running.cell_file import LAYOUT, SCHEMA
+from slmm.running.model_file import checksum
+from slmm.running.whole_file import whole_file
 
 
 def assemble(spec: SweepSpec, folder: Path) -> xr.Dataset:

@@ -20,8 +20,8 @@ from threadpoolctl import threadpool_limits
 from precompute.crack_cell import solve_cell
 from precompute.spec import SweepSpec
 from precompute.unbounded import unbounded_compliance
-from slmm.array_file import read_arrays
-from slmm.whole_file import whole_file
+from slmm.running.array_file import read_arrays
+from slmm.running.whole_file import whole_file
 
 #: (curvature index, Poisson index); Poisson index -1 is the compliance in an unbounded body
 Task = tuple[int, int]

@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 
 from precompute.grading import Fineness, crack_line, graded
 from precompute.half_body import HalfBody
-from slmm.fem.crack_line import crack_factor
+from slmm.mechanics.crack_line import crack_factor
 
 #: outer boundary, in multiples of the larger of notch radius and longest crack
 FAR = 60.0

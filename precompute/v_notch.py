@@ -7,7 +7,7 @@ half widths of the root, radius cos(opening/2), the distance of the tangent poin
 everything is smooth up to the straight edge, where the arc shrinks to a point.
 
 Sharp notches are solved on meshes of the same kind. Their release coefficient is known exactly
-(`slmm.initiation.williams.release_coefficient`); stored in the table, theirs shows how good the meshes are.
+(`slmm.mechanics.williams.release_coefficient`); stored in the table, theirs shows how good the meshes are.
 
 Element sizes grow in proportion to the distance from the notch, so that every element end on the bisector is the tip
 of a crack in a mesh that is fine for its length. The energy at a tip is then wrong by a fixed share of an element and
@@ -37,12 +37,12 @@ from rich.progress import track
 from precompute.half_body import HalfBody
 from precompute.store import rounded
 from slmm import __version__
-from slmm.fem.crack_line import crack_factor
+from slmm.command.terminal import Application, check_target, console, errors, refusals
 from slmm.initiation.v_notch_table import LAYOUT, SCHEMA
-from slmm.initiation.williams import half_angle, release_coefficient, singular_exponent, williams_fields
-from slmm.model_file import checksum
-from slmm.terminal import Application, check_target, console, errors, refusals
-from slmm.whole_file import whole_file
+from slmm.mechanics.crack_line import crack_factor
+from slmm.mechanics.williams import half_angle, release_coefficient, singular_exponent, williams_fields
+from slmm.running.model_file import checksum
+from slmm.running.whole_file import whole_file
 
 #: Poisson's ratio of the models; no result depends on it
 NU = 0.3

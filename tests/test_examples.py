@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from slmm.cli import app
-from slmm.material import Material
+from slmm.command.cli import app
+from slmm.mechanics.material import Material
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 

@@ -19,9 +19,9 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import slmm
-from slmm.cell_file import LAYOUT, SCHEMA
-from slmm.cli import app
-from slmm.model_file import checksum
+from slmm.command.cli import app
+from slmm.running.cell_file import LAYOUT, SCHEMA
+from slmm.running.model_file import checksum
 
 SEEDS = int(os.environ.get("FUZZ_SEEDS", "25"))
 LONGEST = 30  # s, of one command; a sound file takes a tenth of a second

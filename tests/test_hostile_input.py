@@ -13,8 +13,8 @@ import pytest
 from typer.testing import CliRunner
 
 import slmm
-from slmm.cli import app
-from slmm.encoding import fitting, without_control
+from slmm.command.cli import app
+from slmm.running.encoding import fitting, without_control
 
 ROOT = Path(__file__).parents[1]
 CASES = ROOT.parent / "shared" / "cases"
@@ -232,7 +232,7 @@ DESIGN = ["optimize", "cantilever", "--grid", "4x3"], ["####", "##.."]
 def test_output_fits_the_encoding(command, encoding, surroundings):
     arguments, words = command
     ended = subprocess.run(
-        [sys.executable, "-c", "from slmm.cli import app; app()", *arguments],
+        [sys.executable, "-c", "from slmm.command.cli import app; app()", *arguments],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT), **surroundings},
         capture_output=True,

@@ -9,7 +9,7 @@ import matplotlib
 import pytest
 from typer.testing import CliRunner
 
-from slmm.cli import app
+from slmm.command.cli import app
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

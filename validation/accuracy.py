@@ -23,12 +23,13 @@ import xarray as xr
 from checks import RESULTS, Check, run, save, show
 from scipy.interpolate import CubicSpline
 
-from slmm import failure_indices, gallery
-from slmm.initiation.criterion import coupled_criterion
+from slmm import failure_indices
+from slmm.criteria.coupled import coupled_criterion
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.positions import find_positions
-from slmm.scene import Scene
+from slmm.scene import gallery
+from slmm.scene.scene import Scene
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

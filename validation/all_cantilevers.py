@@ -23,7 +23,7 @@ from slmm.optimization.exhaustive import all_designs, count_valid, design_of
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from slmm.plot_optimization import draw_design
+from slmm.pictures.optimization import draw_design
 
 #: bins of the endpoint displacement, mm
 BINS = np.linspace(-0.02, 0.8, 165)

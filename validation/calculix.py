@@ -20,9 +20,9 @@ import numpy as np
 from checks import Check, run, save, show
 from crack_tips import DISKS, ROOT_M, STEEL, disk
 
-from slmm.fem.read_results import read_element_results
 from slmm.fracture.loading import crack_tip_loading
 from slmm.fracture.tip_field import tip_displacement
+from slmm.results.read_results import read_element_results
 
 K = 20.0, 10.0
 

@@ -37,12 +37,12 @@ from rich.console import Console
 from rich.table import Table
 from typer.testing import CliRunner
 
-from slmm.cli import app
-from slmm.fem.element_results import ElementResults
-from slmm.fem.elements import element_named
-from slmm.fem.frd import read_frd
-from slmm.fem.read_results import read_element_results
-from slmm.fem.results import read_displacements
+from slmm.command.cli import app
+from slmm.mechanics.element_results import ElementResults
+from slmm.mechanics.elements import element_named
+from slmm.results.frd import read_frd
+from slmm.results.read_results import read_element_results
+from slmm.results.results import read_displacements
 
 #: what is added to each step
 OUTPUT = "*NODE FILE\nU, RF\n*EL FILE\nS, ENER\n"

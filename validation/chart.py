@@ -39,7 +39,7 @@ from checks import Check, at_spread_positions, run, save, show
 from estimates import with_irwin_length
 from rich.progress import track
 
-from slmm import Scene, failure_indices, gallery, read_scene
+from slmm import Scene, failure_indices, read_scene
 from slmm.initiation.by_cells import voxel_count
 from slmm.initiation.by_dislocations import body_fitted_model, dislocations_on
 from slmm.initiation.by_full_fea import sampled
@@ -49,6 +49,7 @@ from slmm.initiation.paths import IN_LIGAMENT, trial_paths
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import DEFAULT
 from slmm.initiation.task import Answer, Task
+from slmm.scene import gallery
 
 POSITIONS, MANY = 20, 50
 #: Irwin's length over the radius of the notch

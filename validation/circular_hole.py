@@ -16,7 +16,8 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from slmm import Scene, coupled_criterion, failure_indices, gallery
+from slmm import Scene, coupled_criterion, failure_indices
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

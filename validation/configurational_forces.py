@@ -27,17 +27,17 @@ from checks import RESULTS, Check, run, save, show
 from elastic_model import solved
 from scipy.optimize import brentq
 
-from slmm.configurational_forces import (
+from slmm.fracture.configurational_forces import (
     compute_CF,
     compute_CS,
     compute_F,
     compute_P,
     nodal_configurational_forces,
 )
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults
-from slmm.fem.elements import ELEMENTS
-from slmm.fem.neighbourhood import interface_nodes
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults
+from slmm.mechanics.elements import ELEMENTS
+from slmm.results.neighbourhood import interface_nodes
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

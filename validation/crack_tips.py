@@ -20,18 +20,18 @@ import xarray as xr
 from checks import RESULTS, Check, run, save, show
 from elastic_model import solved
 
-from slmm.configurational_forces import forces_in_rings, forces_within, nodal_configurational_forces
-from slmm.contours.outline import Outline
-from slmm.contours.shapes import circle
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults, linear_elastic
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
+from slmm.fracture.configurational_forces import forces_in_rings, forces_within, nodal_configurational_forces
 from slmm.fracture.kink_correction import CorrectedKink, corrected_kink
 from slmm.fracture.kinking import kinked_stress_intensities, local_symmetry, maximum_energy_release_rate
 from slmm.fracture.loading import crack_tip_loading
 from slmm.fracture.tip_field import tip_displacement
-from slmm.material import Material
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults, linear_elastic
+from slmm.mechanics.material import Material
+from slmm.part.outline import Outline
+from slmm.part.shapes import circle
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

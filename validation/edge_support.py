@@ -15,10 +15,11 @@ import matplotlib
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.initiation.full_fea import full_fea_curves
 from slmm.initiation.settings import DEFAULT
 from slmm.initiation.support import supported
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

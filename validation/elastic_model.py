@@ -1,4 +1,4 @@
-"""Linear elastic models of any elements of `slmm.fem.elements`, small enough for a direct solve: for checks only.
+"""Linear elastic models of any elements of `slmm.mechanics.elements`, small enough for a direct solve: for checks only.
 
 Plates with notches have `slmm.fem.plate_model`; here the elements, their integration rule and their mesh are what is
 being checked.
@@ -12,9 +12,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults, linear_elastic
-from slmm.fem.elements import element_named
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults, linear_elastic
+from slmm.mechanics.elements import element_named
 
 
 def solved(

@@ -22,7 +22,7 @@ from checks import RESULTS, Check, run, save, show
 from matplotlib.patches import Circle, Rectangle
 from scipy.interpolate import CubicSpline
 
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.initiation import control
 from slmm.initiation.cells import place_cells, select_modes
 from slmm.initiation.full_fea import FullFEA
@@ -31,6 +31,7 @@ from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.placement import CELL_HEIGHT, CELL_LENGTH
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import PUBLISHED
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

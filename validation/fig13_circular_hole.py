@@ -28,13 +28,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Rectangle
 from scipy.interpolate import CubicSpline
 
-from slmm import Scene, coupled_criterion, failure_indices, gallery
+from slmm import Scene, coupled_criterion, failure_indices
 from slmm.initiation.cells import cell_stress, place_cells, select_modes
 from slmm.initiation.full_fea import FullFEA
 from slmm.initiation.local_model import solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

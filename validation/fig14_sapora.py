@@ -22,8 +22,9 @@ import numpy as np
 from checks import RESULTS, Check, run, save, show
 from circular_hole import critical_stress, one_crack, two_cracks, unbounded_plate
 
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -22,8 +22,9 @@ from checks import RESULTS, Check, at_spread_positions, run, save, show
 from matplotlib.lines import Line2D
 from scipy.interpolate import CubicSpline
 
-from slmm import Scene, coupled_criterion, failure_indices, gallery
+from slmm import Scene, coupled_criterion, failure_indices
 from slmm.initiation.local_model import solve_local_model
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -25,8 +25,9 @@ from accuracy import reference
 from checks import RESULTS, Check, run, save, show
 from scipy.interpolate import CubicSpline
 
-from slmm import Material, Scene, failure_indices, gallery
+from slmm import Material, Scene, failure_indices
 from slmm.initiation.settings import PUBLISHED
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -21,14 +21,14 @@ from checks import RESULTS, Check, run, save, show
 from scipy.interpolate import CubicSpline
 from skfem import MeshTri2
 
-from slmm.contours.outline import Outline
-from slmm.contours.shapes import circle
 from slmm.fem.loads import NodalLoad, plate_load
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel
 from slmm.initiation.body_fitted import notch_stress, solve_body_fitted
 from slmm.initiation.full_fea import FullFEA, full_fea_curves, path_depths
-from slmm.material import Material
+from slmm.mechanics.material import Material
+from slmm.part.outline import Outline
+from slmm.part.shapes import circle
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

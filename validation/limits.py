@@ -24,8 +24,9 @@ import numpy as np
 from checks import RESULTS, Check, run, save, show
 from PIL import Image
 
-from slmm import Material, Scene, coupled_criterion, failure_indices, gallery
+from slmm import Material, Scene, coupled_criterion, failure_indices
 from slmm.initiation.by_stress import line_method, point_method
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

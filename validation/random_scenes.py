@@ -37,7 +37,7 @@ from random_parts import drawn, picture
 
 from slmm import Scene, failure_indices
 from slmm.initiation import by_choice
-from slmm.summary import status_counts, verdict
+from slmm.initiation.summary import status_counts, verdict
 
 FILE = RESULTS / "random_scenes.csv"
 SCENES = 300

@@ -17,8 +17,9 @@ from collections.abc import Callable
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.initiation.positions import find_positions
+from slmm.scene import gallery
 
 TOLERANCE, OTHER_MESHES = 1e-6, 1e-4
 #: share of a scene's highest index below which round-off decides: where symmetry makes the stress zero, one processor

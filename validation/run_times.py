@@ -36,7 +36,7 @@ from speed import per_position
 
 from precompute.spec import PUBLISHED_CURVATURES, SweepSpec
 from precompute.sweep import run_sweep
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.fem.mesh import PlateMesh, plate_mesh
 from slmm.fem.plate_model import PlateModel, SlitModel, factorised, nested_dissection
 from slmm.initiation.by_full_fea import LENGTHS, SPAN
@@ -44,6 +44,7 @@ from slmm.initiation.full_fea import LEVELS, nodes_per_length, path_depths
 from slmm.initiation.local_model import solve_local_model
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.positions import find_positions
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -22,13 +22,13 @@ import matplotlib
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 
-from slmm import gallery
 from slmm.initiation.cells import cell_curves, place_cells, select_modes
 from slmm.initiation.curves import criticals
 from slmm.initiation.local_model import solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import DEFAULT
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

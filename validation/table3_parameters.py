@@ -31,10 +31,11 @@ from checks import RESULTS, Check, at_spread_positions, run, save, show
 from precompute.spec import SweepSpec
 from precompute.store import assemble, write
 from precompute.sweep import run_sweep
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.initiation.full_fea import full_fea_curves
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import PUBLISHED, Settings
+from slmm.scene import gallery
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

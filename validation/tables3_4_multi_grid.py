@@ -22,7 +22,7 @@ from checks import RESULTS, Check, run, save, show
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.multi_grid import PUBLISHED as STAGES
 from slmm.optimization.search import SearchResult, search
-from slmm.plot_optimization import draw_design
+from slmm.pictures.optimization import draw_design
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -15,8 +15,8 @@ import numpy as np
 from checks import Check, run, save, show
 from scipy import ndimage
 
-from slmm.contours.coverage import area_fraction
-from slmm.fem.voxel import NotConvergedError, NotHeldError, solve_voxels
+from slmm.part.coverage import area_fraction
+from slmm.voxels.model import NotConvergedError, NotHeldError, solve_voxels
 
 PROBLEMS, QUICK, LARGE = 1000, 40, 3
 LIMIT = 60  # iterations

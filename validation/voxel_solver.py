@@ -23,10 +23,10 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.interpolate import RectBivariateSpline
 
-from slmm.contours.coverage import area_fraction
-from slmm.fem.voxel import solve_voxels
-from slmm.fem.voxel_element import element_matrix, plane_stress
 from slmm.initiation.local_model import bilinear
+from slmm.part.coverage import area_fraction
+from slmm.voxels.element import element_matrix, plane_stress
+from slmm.voxels.model import solve_voxels
 
 RESULTS = Path(__file__).parent / "results"
 SIDE, RADIUS, NU, VOID = 100.0, 20.0, 0.35, 1e-6

@@ -10,8 +10,8 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
-from slmm.contours.outline import Outline
 from slmm.fem.element_size import ElementSize
+from slmm.part.outline import Outline
 
 #: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least
 OUTLINE_SAMPLES = 2000

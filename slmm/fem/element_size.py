@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numba import njit
 
-from slmm.contours.outline import AT_CORNER, Outline
+from slmm.part.outline import AT_CORNER, Outline
 
 #: growth of the element size with the distance from where it is prescribed, mm per mm
 GROWTH = 0.3

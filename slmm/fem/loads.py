@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from skfem import MeshTri2
 
-from slmm.contours.load_checks import UNBALANCED
+from slmm.scene.load_checks import UNBALANCED
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
-from slmm.contours.outline import Outline
 from slmm.fem import element_size
 from slmm.fem.boundary import (
     boundary_pieces,
@@ -27,6 +26,7 @@ from slmm.fem.boundary import (
     spaced,
 )
 from slmm.fem.triangulation import MesherError, triangulated
+from slmm.part.outline import Outline
 
 #: meshes that are tried, and by how much more the body is turned (rad) for each: whether the mesher finds one is a
 #: matter of chance (chosen)

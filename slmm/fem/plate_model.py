@@ -12,15 +12,15 @@ import shapely
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters
 
-from slmm.fem import triangle
-from slmm.fem.crack_line import crack_factor
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults, linear_elastic
 from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import PlateMesh
 from slmm.fem.plane_stiffness import plane_stiffness
 from slmm.fem.recovery import recovered_stress
 from slmm.fem.slit import open_slits
+from slmm.mechanics import triangle
+from slmm.mechanics.crack_line import crack_factor
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults, linear_elastic
 
 
 class PlateModel:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from slmm.fem import triangle
+from slmm.mechanics import triangle
 
 #: the integration points where the derivatives of quadratic triangles are most accurate
 POINTS = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])

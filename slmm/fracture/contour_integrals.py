@@ -17,9 +17,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults
-from slmm.fem.elements import element_named
 from slmm.fracture.face_traction import (
     TIP_EDGES,
     LoadedFace,
@@ -29,6 +26,9 @@ from slmm.fracture.face_traction import (
 )
 from slmm.fracture.tip_field import tip_gradients
 from slmm.fracture.tips import CrackTip
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults
+from slmm.mechanics.elements import element_named
 
 #: the weight is 1 up to this share of the radius
 PLATEAU = 0.5

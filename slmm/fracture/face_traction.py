@@ -14,11 +14,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from slmm.fem.boundary_edges import boundary_edges
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults
 from slmm.fracture.tip_field import tip_gradients
 from slmm.fracture.tips import CrackTip
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults
+from slmm.results.boundary_edges import boundary_edges
 
 #: edges at the tip where the strain of finite elements is not that of the singularity
 TIP_EDGES = 3

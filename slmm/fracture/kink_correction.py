@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slmm.fem.element_results import ElementResults
 from slmm.fracture.loading import crack_tip_loading
+from slmm.mechanics.element_results import ElementResults
 
 
 @dataclass(frozen=True)

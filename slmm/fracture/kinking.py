@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from slmm.fem.elasticity import Elasticity
+from slmm.mechanics.elasticity import Elasticity
 
 #: kinks beyond it are refused: there the series loses its digits
 LARGEST_KINK = pi / 2

@@ -10,11 +10,7 @@ import numpy as np
 import xarray as xr
 
 from slmm import __version__
-from slmm.configurational_forces import nodal_configurational_forces
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import ElementResults
-from slmm.fem.elements import element_named
-from slmm.fem.internal_forces import nodal_internal_forces
+from slmm.fracture.configurational_forces import nodal_configurational_forces
 from slmm.fracture.contour_integrals import j_vector, stress_intensities
 from slmm.fracture.face_traction import loaded_faces
 from slmm.fracture.kinking import (
@@ -25,6 +21,10 @@ from slmm.fracture.kinking import (
 )
 from slmm.fracture.symmetry import half_model_side, whole_part
 from slmm.fracture.tips import CrackTip, find_crack_tips
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import ElementResults
+from slmm.mechanics.elements import element_named
+from slmm.results.internal_forces import nodal_internal_forces
 
 #: the smallest domain around a tip: in edges of the elements there, and as a share of what is clear
 FEWEST_EDGES, SMALLEST = 4, 0.1
@@ -120,7 +120,7 @@ def crack_tip_loading(
 
     Examples
     --------
-    >>> from slmm.fem.read_results import read_element_results
+    >>> from slmm.results.read_results import read_element_results
     >>> loading = crack_tip_loading(read_element_results("tests/data/edge_crack_2d.frd"))
     >>> loading.sizes["tip"], loading.x.values.tolist(), bool(loading.spread.max() < 0.01)
     (1, [20.0], True)

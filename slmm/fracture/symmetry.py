@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slmm.fem.boundary_edges import boundary_edges
-from slmm.fem.element_results import ElementResults
-from slmm.fem.elements import element_named
-from slmm.fem.internal_forces import nodal_internal_forces
+from slmm.mechanics.element_results import ElementResults
+from slmm.mechanics.elements import element_named
+from slmm.results.boundary_edges import boundary_edges
+from slmm.results.internal_forces import nodal_internal_forces
 
 #: displacements below this share of the largest are zero: solvers and penalties leave no more, files of six digits less
 HELD = 1e-5
@@ -79,8 +79,8 @@ def whole_part(results: ElementResults, symmetry: Sequence[str]) -> ElementResul
 
     Examples
     --------
-    >>> from slmm.fem.elasticity import Elasticity
-    >>> from slmm.fem.element_results import linear_elastic
+    >>> from slmm.mechanics.elasticity import Elasticity
+    >>> from slmm.mechanics.element_results import linear_elastic
     >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
     >>> half = linear_elastic(
     ...     square, {"CPE4": np.array([[0, 1, 2, 3]])}, 1e-3 * square * [0, 1], Elasticity(100e3, 0.0)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slmm.fem.elasticity import Elasticity
+from slmm.mechanics.elasticity import Elasticity
 
 
 def tip_displacement(points: np.ndarray, K: np.ndarray, elasticity: Elasticity) -> np.ndarray:

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from slmm.fem.boundary_chain import BoundaryChain, boundary_chain
-from slmm.fem.neighbourhood import interface_nodes
+from slmm.results.boundary_chain import BoundaryChain, boundary_chain
+from slmm.results.neighbourhood import interface_nodes
 
 #: faces are straight while their nodes are not farther off one line than this share of their distance from the tip, and
 #: the round-off of files with six digits, as a share of the largest coordinate

@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slmm.initiation.v_notch_table import VNotchTable, load_v_notches
-from slmm.initiation.williams import (
+from slmm.mechanics.material import Material
+from slmm.mechanics.williams import (
     decaying_fields,
     half_angle,
     release_coefficient,
     singular_exponent,
     williams_fields,
 )
-from slmm.material import Material
 
 
 class GeneralisedIntensity(NamedTuple):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slmm.contours.checks import TOLERANCE
+from slmm.criteria.coupled import ENERGY, NONE
 from slmm.fem.plate_model import PlateModel, principal_stress
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.asymptotics import (
@@ -19,11 +19,11 @@ from slmm.initiation.asymptotics import (
     sharp_curves,
 )
 from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
-from slmm.initiation.criterion import ENERGY, NONE
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notches import VNotch, notch_at
-from slmm.initiation.williams import exponents, singular_exponent
+from slmm.mechanics.williams import exponents, singular_exponent
+from slmm.part.checks import TOLERANCE
 
 #: annulus on which Williams' series is fitted, in clear distances: nearer to the tip the mesh is poor, farther away
 #: the series converges slowly

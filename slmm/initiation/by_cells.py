@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from slmm.criteria.coupled import STRESS
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
-from slmm.initiation.criterion import STRESS
 from slmm.initiation.local_model import SMALLEST_SIDE, LocalField, solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.placement import STOPPED

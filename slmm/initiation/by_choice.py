@@ -23,10 +23,10 @@ from time import perf_counter
 
 import numpy as np
 
+from slmm.criteria.coupled import NONE
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
 from slmm.initiation.cell_errors import reference_stress
-from slmm.initiation.criterion import NONE
 from slmm.initiation.curves import index_bounds
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task

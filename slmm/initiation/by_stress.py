@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from slmm.criteria.coupled import STRESS
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import local_field, note_reasons, rows_with_cells
 from slmm.initiation.cells import cell_stress, place_cells, select_modes
-from slmm.initiation.criterion import STRESS
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.task import Answer, Task
-from slmm.material import Material
-from slmm.scene import Scene
-
-METHODS = ("rankine", "mises", "point", "line")
+from slmm.mechanics.material import Material
+from slmm.scene.scene import Scene
 
 SINGULAR = "the stress at a corner or crack tip is infinite: no strength criterion applies"
 TOO_DEEP = (

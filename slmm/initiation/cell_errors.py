@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slmm.scene import Scene
+from slmm.scene.scene import Scene
 
 #: of the stress: what is always there, as a share of `reference_stress`; the change from a cell of half the size to the
 #: cell; the change from voxels twice as large (or from a coarser mesh) to these

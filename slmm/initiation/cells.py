@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline, interp1d
 
-from slmm.contours.outline import Outline
 from slmm.initiation import control
 from slmm.initiation.cell_errors import energy_error, faded, reference_stress, relative_change, stress_error
 from slmm.initiation.contact import tip_opening, until_closed
@@ -17,7 +16,8 @@ from slmm.initiation.meta_model import MetaModel, polynomial_matrix
 from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points, fit_cells, grow_cells
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 from slmm.initiation.support import edge_support, supported
-from slmm.scene import Scene
+from slmm.part.outline import Outline
+from slmm.scene.scene import Scene
 
 #: sum of the principal stresses below which, as a share of the reference stress, what is always there of errors cannot
 #: make a tension of it: sixteen times that (chosen)

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from slmm.initiation.criterion import BOTH, ENERGY, NONE, critical_load, stress_over_crack
-from slmm.material import Material
+from slmm.criteria.coupled import BOTH, ENERGY, NONE, critical_load, stress_over_crack
+from slmm.mechanics.material import Material
 
 #: points of the curves along a crack path, dense towards the surface
 CURVE_POINTS = 201

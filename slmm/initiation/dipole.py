@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from slmm.threaded import threaded
+from slmm.running.threaded import threaded
 
 #: Burgers direction: a piece that opens, or one that slides
 OPENING, SLIDING = 0, 1

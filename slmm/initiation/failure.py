@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,21 +11,18 @@ import numpy as np
 import xarray as xr
 
 from slmm import __version__
+from slmm.criteria.coupled import GOVERNED_BY
 from slmm.initiation.bounds import upper_bounds
-from slmm.initiation.by_cells import by_cells
-from slmm.initiation.by_choice import by_choice
-from slmm.initiation.by_stress import METHODS as STRESS_METHODS
-from slmm.initiation.by_stress import by_stress
-from slmm.initiation.criterion import GOVERNED_BY
 from slmm.initiation.meta_model import shipped_database
+from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Progress, Task
-from slmm.plausible import UnusualValueWarning, unusual_values
-from slmm.scene import Scene
+from slmm.scene.plausible import UnusualValueWarning, unusual_values
+from slmm.scene.scene import Scene
 
 if TYPE_CHECKING:
     from slmm.initiation.given_field import GivenField
@@ -35,45 +31,6 @@ if TYPE_CHECKING:
 ROUNDS = 4
 
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
-
-
-def _by_dislocations(task: Task) -> Answer:
-    from slmm.initiation.by_dislocations import by_dislocations  # imports the finite element libraries
-
-    return by_dislocations(task)
-
-
-def _by_full_fea(task: Task) -> Answer:
-    from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
-
-    return by_full_fea(task)
-
-
-def _by_asymptotics(task: Task) -> Answer:
-    from slmm.initiation.by_asymptotics import by_asymptotics  # imports the finite element libraries
-
-    return by_asymptotics(task)
-
-
-def _by_griffith(task: Task) -> Answer:
-    from slmm.initiation.by_asymptotics import by_griffith  # imports the finite element libraries
-
-    return by_griffith(task)
-
-
-METHODS: dict[str, Callable[[Task], Answer]] = {
-    **{name: partial(by_stress, method=name) for name in STRESS_METHODS},
-    "slmm": partial(by_cells, auto_control=False),
-    "slmm+ac": partial(by_cells, auto_control=True),
-    "asymptotics": _by_asymptotics,
-    "griffith": _by_griffith,
-    "dislocations": _by_dislocations,
-    "full-fea": _by_full_fea,
-    "auto": by_choice,
-}
-
-#: methods that can take the uncracked part from the user's own displacements
-ON_DISPLACEMENTS = (*STRESS_METHODS, "slmm", "slmm+ac", "auto")
 
 
 def failure_indices(
@@ -123,7 +80,7 @@ def failure_indices(
     progress : callable
         Called with the finished fraction and what is being done.
     field : str, optional
-        Which nodal data of a file of displacements they are, see `slmm.fem.results.read_displacements`.
+        Which nodal data of a file of displacements they are, see `slmm.results.results.read_displacements`.
 
     Returns
     -------
@@ -150,7 +107,7 @@ def failure_indices(
 
     Examples
     --------
-    >>> from slmm.gallery import circular_hole
+    >>> from slmm.scene.gallery import circular_hole
     >>> result = failure_indices(circular_hole(analysis={"points": [[70, 50]], "voxels": 40000}), "slmm+ac")
     >>> round(float(result.failure_index[0]), 1)
     9.3

@@ -2,7 +2,7 @@
 
 The thesis solves one model for every crack length and subtracts potential energies. Here the path is one
 slit whose faces are held together; what releases energy is letting them go, from the mouth inwards. All crack
-lengths follow from one factorisation (slmm.fem.crack_line) and no two large numbers are subtracted. A path may go
+lengths follow from one factorisation (slmm.mechanics.crack_line) and no two large numbers are subtracted. A path may go
 through the ligament to the next surface; its longest crack then severs the ligament.
 """
 

@@ -12,11 +12,11 @@ import numpy as np
 import shapely
 
 from slmm.fem.boundary import plate_body
-from slmm.fem.field import ELEMENTS, DisplacementField
-from slmm.fem.results import read_displacements
 from slmm.initiation.local_model import Raster, rasterised
 from slmm.initiation.positions import Positions
-from slmm.scene import Scene
+from slmm.results.field import ELEMENTS, DisplacementField
+from slmm.results.results import read_displacements
+from slmm.scene.scene import Scene
 
 #: voxels along the longest edge of an element that resolve displacements as well. On meshes solved with each type, as
 #: coarse as that lets them be, the critical failure index of a circular hole was low by 2 %, with "triangle" by 3 %
@@ -93,14 +93,14 @@ def given_field(displacements: Any, scene: Scene, where: Positions, field: str |
     Parameters
     ----------
     displacements : path, DisplacementField or (points, cells, u)
-        A file as `slmm.fem.results.read_displacements` takes it, of which the last step counts; a field; or the three
-        arguments of `slmm.fem.field.DisplacementField`.
+        A file as `slmm.results.results.read_displacements` takes it, of which the last step counts; a field; or the
+        three arguments of `slmm.results.field.DisplacementField`.
     scene : Scene
         Plate and notches.
     where : Positions
         Where failure indices are wanted.
     field : str, optional
-        Which nodal data of the file are the displacements, see `slmm.fem.results.read_displacements`.
+        Which nodal data of the file are the displacements, see `slmm.results.results.read_displacements`.
 
     Raises
     ------

@@ -14,11 +14,11 @@ import shapely
 from numba import njit
 from numpy.typing import NDArray
 
-from slmm.contours.coverage import area_fraction
-from slmm.contours.edges import material_on_edges, share_of_pieces
-from slmm.contours.load_checks import Load
-from slmm.fem.voxel import solve_voxels
-from slmm.material import Material
+from slmm.mechanics.material import Material
+from slmm.part.coverage import area_fraction
+from slmm.part.edges import material_on_edges, share_of_pieces
+from slmm.scene.load_checks import Load
+from slmm.voxels.model import solve_voxels
 
 SMALLEST_SIDE = 16  # voxels along each side of the plate, at least
 POINTS_PER_VOXEL = 8  # of an outline: its polygon then deviates from the curve by far less than a voxel
@@ -167,7 +167,7 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
     ValueError
         When ``voxels`` or the void's stiffness is out of range.
     NotConvergedError
-        When the solver fails; see slmm.fem.voxel.
+        When the solver fails; see slmm.voxels.model.
     """
     void = scene.analysis.void_stiffness
     if not 0 < void <= 1:

@@ -20,9 +20,9 @@ from numpy.polynomial import legendre
 from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import CubicSpline
 
-from slmm.cell_file import read_cells
 from slmm.initiation.placement import CELL_LENGTH
-from slmm.model_file import DatabaseError, shipped
+from slmm.running.cell_file import read_cells
+from slmm.running.model_file import DatabaseError, shipped
 
 #: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes
 RIGID = 1e-7

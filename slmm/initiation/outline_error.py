@@ -14,14 +14,14 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial import cKDTree
 
-from slmm.contours.accuracy import Accuracy
+from slmm.criteria.coupled import critical_load, stress_over_crack
 from slmm.initiation.asymptotics import blunted_curves, critical_intensity, sharp_curves
-from slmm.initiation.criterion import critical_load, stress_over_crack
 from slmm.initiation.curves import path_points
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notch_table import load_v_notches
-from slmm.initiation.williams import singular_exponent
-from slmm.material import Material
+from slmm.mechanics.material import Material
+from slmm.mechanics.williams import singular_exponent
+from slmm.part.accuracy import Accuracy
 
 #: standard deviations that cover nineteen of twenty
 COVERED = 2.0

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from slmm.contours.rays import Lines, distances_along
 from slmm.initiation.positions import Positions
-from slmm.scene import Scene
+from slmm.part.rays import Lines, distances_along
+from slmm.scene.scene import Scene
 
 #: longest trial crack in Irwin's lengths: at a straight edge a_c is 0.51 of them, in falling stress less
 IN_IRWIN_LENGTHS = 0.7

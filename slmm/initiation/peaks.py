@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slmm.contours.outline import Outline
 from slmm.initiation.positions import Positions, is_within, turn_along
-from slmm.scene import POLYGON_POINTS, Scene
+from slmm.part.outline import Outline
+from slmm.scene.scene import POLYGON_POINTS, Scene
 
 #: an interval along which the outline turns by less, rad, has no peak of its own; chosen: 50 positions on a circle
 #: turn by 0.13 from one to the next

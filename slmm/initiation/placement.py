@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from slmm.threaded import threaded
+from slmm.running.threaded import threaded
 
 #: cell height and length in the image space (Paper A, Table 1)
 CELL_HEIGHT = 2.0

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slmm.contours.checks import TOLERANCE
-from slmm.contours.outline import Outline
-from slmm.scene import Scene
+from slmm.part.checks import TOLERANCE
+from slmm.part.outline import Outline
+from slmm.scene.scene import Scene
 
 #: samples of an outline that decide which part of it lies within the plate
 SAMPLES = 4000
@@ -66,7 +66,7 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
 
     Examples
     --------
-    >>> from slmm.gallery import square_hole
+    >>> from slmm.scene.gallery import square_hole
     >>> where = find_positions(square_hole(), 2)
     >>> where.s.round(6).tolist(), np.degrees(where.corner).round(6).tolist()
     ([0.0, 30.0, 60.0, 90.0], [90.0, 90.0, 90.0, 90.0])

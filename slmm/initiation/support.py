@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from slmm.contours.outline import Outline
-from slmm.contours.rays import Lines, are_inside, distances_along
 from slmm.initiation.placement import CELL_HEIGHT, CELL_LENGTH
-from slmm.scene import Load, Scene
+from slmm.part.outline import Outline
+from slmm.part.rays import Lines, are_inside, distances_along
+from slmm.scene.scene import Load, Scene
 
 #: k of an edge that the crack points at, and of one beside it, for what holds the edge
 FACTORS = {

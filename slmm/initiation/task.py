@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from slmm.initiation.criterion import NONE
+from slmm.criteria.coupled import NONE
 from slmm.initiation.curves import PathCurves, criticals
 from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
-from slmm.scene import Scene
+from slmm.scene.scene import Scene
 
 Progress = Callable[[float, str], None]
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from slmm.initiation.williams import release_coefficient, singular_exponent, williams_fields
-from slmm.model_file import read_verified, shipped
+from slmm.mechanics.williams import release_coefficient, singular_exponent, williams_fields
+from slmm.running.model_file import read_verified, shipped
 
 #: version of the layout below; a table of another one is refused
 SCHEMA = 1

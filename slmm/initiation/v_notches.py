@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from slmm.contours.outline import AT_CORNER, Outline
 from slmm.initiation.positions import Positions
-from slmm.scene import Scene
+from slmm.part.outline import AT_CORNER, Outline
+from slmm.scene.scene import Scene
 
 #: a flank is straight as long as its tangent turns by less, rad
 STRAIGHT = 0.01
@@ -65,7 +65,7 @@ def notch_at(scene: Scene, where: Positions, i: int) -> VNotch:
 
     Examples
     --------
-    >>> from slmm.gallery import v_notch
+    >>> from slmm.scene.gallery import v_notch
     >>> from slmm.initiation.positions import find_positions
     >>> scene = v_notch(opening=60.0, radius=0.5, analysis={"points": [[10.0, 60.0]]})
     >>> notch = notch_at(scene, find_positions(scene), 0)

@@ -12,11 +12,11 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from slmm import __version__
-from slmm.array_file import read_arrays
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.checks import check_whole
 from slmm.optimization.exhaustive import Block, all_designs, check_grid, count_valid, design_of
-from slmm.whole_file import whole_file
+from slmm.running.array_file import read_arrays
+from slmm.running.whole_file import whole_file
 
 #: values closer than this share of the larger one are those of the same design, computed in another way
 SAME = 1e-8

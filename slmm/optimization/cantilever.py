@@ -17,8 +17,8 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 from scipy.sparse.linalg import splu
 
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.elements import ELEMENTS
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.elements import ELEMENTS
 from slmm.optimization.checks import check_whole
 from slmm.optimization.column_kernels import all_connected, connected, endpoint_displacements, held
 from slmm.optimization.problem import Neighbours

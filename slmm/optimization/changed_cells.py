@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit, prange
 
 from slmm.optimization.column_kernels import eliminate
-from slmm.threaded import threaded
+from slmm.running.threaded import threaded
 
 #: where the nodes of a cell stand in the grid of nodes, from its upper left one
 _NODES = np.array([(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from slmm.threaded import threaded
+from slmm.running.threaded import threaded
 
 kernel = njit(cache=True, error_model="numpy")
 

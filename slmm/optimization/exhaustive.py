@@ -17,7 +17,7 @@ from numba import njit, prange
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.column_kernels import eliminate
 from slmm.optimization.halves import EMPTY, HELD, Halves, counted, fits, left_halves, right_halves
-from slmm.threaded import threaded
+from slmm.running.threaded import threaded
 
 #: right halves that are worked on side by side
 LANES = 128

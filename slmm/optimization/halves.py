@@ -18,7 +18,7 @@ from numba import njit, prange
 
 from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.column_kernels import add_column, column_places, eliminate
-from slmm.threaded import threaded
+from slmm.running.threaded import threaded
 
 #: of a column's cells from the top: no cell, a cell that is held, and from 2 on the number of a part that is not
 EMPTY, HELD = 0, 1

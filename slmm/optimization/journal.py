@@ -24,8 +24,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from slmm.input_file import input_problem, shown
-from slmm.whole_file import NotWrittenError
+from slmm.running.input_file import input_problem, shown
+from slmm.running.whole_file import NotWrittenError
 
 #: values wait this long to be written, s
 PATIENCE = 0.1

@@ -7,13 +7,16 @@ columns that are near one another, is all that neighbours of the design need (ne
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg.lapack as lapack
 import threadpoolctl
 
-from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.column_kernels import add_column, column_places
+
+if TYPE_CHECKING:
+    from slmm.optimization.cantilever import Cantilever
 
 
 class NearInverse:
@@ -44,6 +47,7 @@ class NearInverse:
 
     Examples
     --------
+    >>> from slmm.optimization.cantilever import Cantilever
     >>> beam, full = Cantilever(4, 3), np.ones((3, 4), dtype=bool)
     >>> inverse = NearInverse(beam, full)
     >>> inverse.displacements[-1, inverse.corner, :1].round(5), beam.endpoint_displacement([full]).round(5)

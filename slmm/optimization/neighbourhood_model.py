@@ -25,10 +25,10 @@ alone, since the strains it would have now are large.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slmm.optimization.cantilever import Cantilever
 from slmm.optimization.changed_cells import (
     sag_changes,
     strains,
@@ -37,6 +37,9 @@ from slmm.optimization.changed_cells import (
     touching,
 )
 from slmm.optimization.near_inverse import NearInverse, places
+
+if TYPE_CHECKING:
+    from slmm.optimization.cantilever import Cantilever
 
 #: of neighbours whose cells span more columns and rows than this, added up and less two, nothing is known
 WIDEST = 8
@@ -63,6 +66,7 @@ class NeighbourhoodModel:
 
     Examples
     --------
+    >>> from slmm.optimization.cantilever import Cantilever
     >>> beam = Cantilever(8, 5)
     >>> model = NeighbourhoodModel(beam, np.ones((5, 8), dtype=bool))
     >>> flipped = np.ones((5, 8), dtype=bool)

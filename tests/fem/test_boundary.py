@@ -8,8 +8,6 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slmm.contours import shapes
-from slmm.contours.outline import Outline
 from slmm.fem.boundary import (
     boundary_pieces,
     boundary_segments,
@@ -19,6 +17,8 @@ from slmm.fem.boundary import (
     spaced,
 )
 from slmm.fem.element_size import ElementSize, along_path, follow_outline
+from slmm.part import shapes
+from slmm.part.outline import Outline
 
 WIDTH, HEIGHT = 100.0, 80.0
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from slmm import gallery
 from slmm.fem.boundary_stiffness import BoundaryStiffness
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

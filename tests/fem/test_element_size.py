@@ -7,9 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from slmm import gallery
-from slmm.contours import shapes
-from slmm.contours.outline import Outline
 from slmm.fem.boundary import plate_body
 from slmm.fem.element_size import (
     ACROSS_GAP,
@@ -20,6 +17,9 @@ from slmm.fem.element_size import (
     along_path,
 )
 from slmm.fem.mesh import plate_mesh
+from slmm.part import shapes
+from slmm.part.outline import Outline
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

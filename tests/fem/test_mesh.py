@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import shapely
 
-from slmm.contours.outline import Outline
-from slmm.contours.shapes import circle, ellipse, rectangle
 from slmm.fem.element_size import GROWTH
 from slmm.fem.mesh import PlateMesh, plate_mesh
 from slmm.fem.triangulation import MesherError, triangulated
+from slmm.part.outline import Outline
+from slmm.part.shapes import circle, ellipse, rectangle
 
 pytest.importorskip("netgen")
 

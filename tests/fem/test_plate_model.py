@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from slmm import gallery
 from slmm.fem.loads import plate_load
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel, SlitModel, factorised, last_block, nested_dissection
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from slmm import gallery
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel, plane_stress_stiffness
 from slmm.fem.recovery import recovered_stress
+from slmm.scene import gallery
 
 E, NU = 3000.0, 0.3
 C = plane_stress_stiffness(E, NU)

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay, cKDTree
 
-from slmm.contours import shapes
-from slmm.contours.outline import Outline
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.slit import open_slits, split_vertices
+from slmm.part import shapes
+from slmm.part.outline import Outline
 
 pytest.importorskip("netgen")
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from slmm.fem.boundary_edges import boundary_edges
-from slmm.fem.elasticity import Elasticity
 from slmm.fracture.face_traction import edge_shape
+from slmm.mechanics.elasticity import Elasticity
+from slmm.results.boundary_edges import boundary_edges
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "validation"))
 from elastic_model import solved

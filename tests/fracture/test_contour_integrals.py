@@ -5,15 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from slmm.configurational_forces import nodal_configurational_forces
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import linear_elastic
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
+from slmm.fracture.configurational_forces import nodal_configurational_forces
 from slmm.fracture.contour_integrals import face_term, j_vector, stress_intensities
 from slmm.fracture.tip_field import tip_displacement
 from slmm.fracture.tips import find_crack_tips
-from slmm.material import Material
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import linear_elastic
+from slmm.mechanics.material import Material
 
 STEEL = Elasticity(210e3, 0.3)
 PMMA = Material.from_name("PMMA")

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from cracked_square import CRACK, MIDDLE, STEEL, loaded, on_faces, square, tension
 
-from slmm.fem.element_results import linear_elastic
-from slmm.fem.elements import element_named
-from slmm.fem.read_results import read_element_results
 from slmm.fracture.loading import AGREE, OK, crack_tip_loading
+from slmm.mechanics.element_results import linear_elastic
+from slmm.mechanics.elements import element_named
+from slmm.results.read_results import read_element_results
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 SHEAR, BENDING = 40.0, 3.0

@@ -8,7 +8,7 @@ import pytest
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fracture.kink_correction import corrected_kink
-from slmm.material import Material
+from slmm.mechanics.material import Material
 
 PMMA = Material.from_name("PMMA")
 WIDTH, CRACK = 300.0, np.array([[143.0, 143.0], [157.0, 157.0]])

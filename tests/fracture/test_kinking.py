@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slmm.fem.elasticity import Elasticity
 from slmm.fracture.kinking import (
     energy_release_direction,
     kinked_stress_intensities,
@@ -16,6 +15,7 @@ from slmm.fracture.kinking import (
     maximum_tangential_stress,
     minimum_strain_energy_density,
 )
+from slmm.mechanics.elasticity import Elasticity
 
 STEEL = Elasticity(210e3, 0.3)
 

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from slmm.fem.elasticity import Elasticity
-from slmm.fem.element_results import linear_elastic
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fracture.loading import CLOSED, CRITERIA, NO_ELASTICITY, OK, crack_tip_loading
-from slmm.material import Material
+from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_results import linear_elastic
+from slmm.mechanics.material import Material
 
 PMMA = Material.from_name("PMMA")
 

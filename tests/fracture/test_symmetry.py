@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from cracked_square import STEEL, half_loaded, loaded, tension, upper_half
 
-from slmm.fem.element_results import linear_elastic
-from slmm.fem.read_results import read_element_results
 from slmm.fracture.loading import OK, crack_tip_loading
 from slmm.fracture.symmetry import half_model_side, whole_part
+from slmm.mechanics.element_results import linear_elastic
+from slmm.results.read_results import read_element_results
 
 CASES = Path(__file__).parents[3] / "shared" / "cases" / "05-half-model"
 SAME = ("G", "K_I", "radius", "spread")

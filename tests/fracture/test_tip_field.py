@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slmm.fem.elasticity import Elasticity
 from slmm.fracture.tip_field import tip_displacement, tip_gradients
+from slmm.mechanics.elasticity import Elasticity
 
 STATES = ["plane strain", "plane stress"]
 

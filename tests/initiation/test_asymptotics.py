@@ -18,13 +18,13 @@ from slmm.initiation.asymptotics import (
     sharp_curves,
 )
 from slmm.initiation.v_notch_table import SCHEMA, load_v_notches, read_v_notches
-from slmm.initiation.williams import (
+from slmm.mechanics.williams import (
     decaying_fields,
     release_coefficient,
     singular_exponent,
     williams_fields,
 )
-from slmm.model_file import DatabaseError, shipped
+from slmm.running.model_file import DatabaseError, shipped
 
 E, NU = 3000.0, 0.35
 TIP, DIRECTION = np.array([3.0, -2.0]), np.array([1.0, 2.0])

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from slmm import failure_indices, gallery
+from slmm import failure_indices
 from slmm.initiation.body_fitted import VOXELS_PER_ELEMENT, notch_stress, solve_body_fitted
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import slmm
-from slmm import gallery
-from slmm.summary import verdict
-from slmm.verdict import conclude
+from slmm.initiation.summary import verdict
+from slmm.initiation.verdict import conclude
+from slmm.scene import gallery
 
 CASES = "../shared/cases/01-verdict-without-values"
 

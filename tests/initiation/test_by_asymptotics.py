@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from slmm import failure_indices, gallery
+from slmm import failure_indices
 from slmm.initiation.full_fea import full_fea_curves
-from slmm.initiation.williams import release_coefficient, singular_exponent
+from slmm.mechanics.williams import release_coefficient, singular_exponent
+from slmm.scene import gallery
 
 E, NU, SIGMA_C = 2960.0, 0.35, 70.5
 

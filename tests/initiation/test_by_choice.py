@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from slmm import failure_indices, gallery
+from slmm import failure_indices
 from slmm.initiation import by_choice
 from slmm.initiation.by_choice import BOUNDS, ELSEWHERE, GIVEN, MATTERS, NEGLIGIBLE, NO_FEA
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

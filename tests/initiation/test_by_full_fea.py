@@ -5,11 +5,12 @@ from functools import partial
 import numpy as np
 import pytest
 
-from slmm import failure_indices, gallery
+from slmm import failure_indices
 from slmm.initiation import by_full_fea
 from slmm.initiation.by_full_fea import TOO_SHORT, sampled
 from slmm.initiation.failure import METHODS
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

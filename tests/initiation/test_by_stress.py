@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from slmm import Material, failure_indices, gallery
+from slmm import Material, failure_indices
 from slmm.initiation.by_stress import (
     METHODS,
     NEAR,
@@ -18,6 +18,7 @@ from slmm.initiation.by_stress import (
     point_distance,
     point_method,
 )
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

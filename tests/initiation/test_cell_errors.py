@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slmm import failure_indices, gallery
+from slmm import failure_indices
 from slmm.initiation.cell_errors import (
     ENERGY_FLOOR,
     STRESS_FLOOR,
@@ -14,6 +14,7 @@ from slmm.initiation.cell_errors import (
     relative_change,
     stress_error,
 )
+from slmm.scene import gallery
 
 change = st.floats(0.0, 1.0)
 

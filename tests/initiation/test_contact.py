@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.polynomial import legendre
 
-from slmm import failure_indices, gallery
+from slmm import failure_indices
 from slmm.initiation.contact import NEAR_TIP, tip_opening, until_closed
 from slmm.initiation.settings import DEFAULT
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from slmm import Material, coupled_criterion
-from slmm.initiation.criterion import BOTH, ENERGY, NONE, STRESS, stress_over_crack
+from slmm.criteria.coupled import BOTH, ENERGY, NONE, STRESS, stress_over_crack
 from slmm.initiation.curves import CURVE_POINTS, PathCurves, criticals, index_bounds, path_points
 
 #: l_ch = 1 mm

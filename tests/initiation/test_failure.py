@@ -8,9 +8,10 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from slmm import Scene, coupled_criterion, failure_indices, gallery
+from slmm import Scene, coupled_criterion, failure_indices
 from slmm.initiation.full_fea import full_fea_curves
 from slmm.initiation.settings import PUBLISHED
+from slmm.scene import gallery
 
 FEW = hypothesis_settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 E, NU, SIGMA_C = 2960.0, 0.35, 70.5

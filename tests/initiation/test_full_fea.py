@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from slmm.contours.outline import Outline
-from slmm.contours.shapes import circle, ellipse
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel, principal_stress
 from slmm.initiation.body_fitted import notch_stress, solve_body_fitted
 from slmm.initiation.full_fea import FullFEA, full_fea_curves, path_depths
-from slmm.material import Material
+from slmm.mechanics.material import Material
+from slmm.part.outline import Outline
+from slmm.part.shapes import circle, ellipse
 
 pytest.importorskip("netgen")
 

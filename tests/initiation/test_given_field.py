@@ -21,13 +21,13 @@ from skfem import (
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from slmm import Scene, failure_indices
-from slmm.fem.field import DisplacementField
-from slmm.fem.results import read_displacements
 from slmm.initiation.body_fitted import solve_body_fitted
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.given_field import given_field
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import DEFAULT
+from slmm.results.field import DisplacementField
+from slmm.results.results import read_displacements
 
 DATA = Path(__file__).parents[1] / "data"
 RADIUS, SIDE = 2.0, 20.0

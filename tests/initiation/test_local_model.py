@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from slmm.initiation.local_model import bilinear, grid_size, solve_local_model
-from slmm.material import Material
+from slmm.mechanics.material import Material
 
 
 class Circle:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from slmm.cell_file import read_cells
 from slmm.initiation.cells import select_modes
 from slmm.initiation.contact import tip_opening
 from slmm.initiation.meta_model import (
@@ -12,7 +11,8 @@ from slmm.initiation.meta_model import (
     polynomial_matrix,
     shipped_database,
 )
-from slmm.model_file import DatabaseError, checksum
+from slmm.running.cell_file import read_cells
+from slmm.running.model_file import DatabaseError, checksum
 
 
 @pytest.fixture(scope="module")

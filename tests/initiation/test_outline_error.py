@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from slmm import failure_indices, gallery, read_scene
+from slmm import failure_indices, read_scene
 from slmm.initiation.outline_error import angle_error, rounding_error
-from slmm.material import Material
+from slmm.mechanics.material import Material
+from slmm.scene import gallery
 
 PMMA = Material.from_name("PMMA")
 

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slmm import Scene, gallery
+from slmm import Scene
 from slmm.initiation.paths import IN_IRWIN_LENGTHS, IN_LIGAMENT, LONGER, ligaments, trial_paths
 from slmm.initiation.positions import find_positions
+from slmm.scene import gallery
 
 #: what the polygons in place of the outlines may cost
 CHORDS = 1e-4

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import slmm
-from slmm import gallery
 from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import find_positions, positions_on
+from slmm.scene import gallery
 
 CASES = "../shared/cases"
 

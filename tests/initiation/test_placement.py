@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from slmm.contours.outline import Outline
-from slmm.contours.shapes import circle, ellipse
 from slmm.initiation.local_model import LocalModel
 from slmm.initiation.placement import (
     STOPPED,
@@ -14,6 +12,8 @@ from slmm.initiation.placement import (
     fit_cells,
     grow_cells,
 )
+from slmm.part.outline import Outline
+from slmm.part.shapes import circle, ellipse
 
 PAPER = Constraints(11, False, 0.01, 0.1, np.inf, 28, 2)
 LOCAL = Constraints(21, True, np.inf, 0.0, 0.005, 84, 2)

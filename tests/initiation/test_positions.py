@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from slmm import gallery
 from slmm.initiation.positions import find_positions
+from slmm.scene import gallery
 
 CRACK = {"points": [[0.0, 20.0], [10.0, 20.0]]}
 CIRCLE = {"shape": "circle", "center": [0.0, 50.0], "radius": 20.0}

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slmm import Scene, failure_indices, gallery
+from slmm import Scene, failure_indices
 from slmm.initiation.curves import PathCurves, criticals
-from slmm.material import Material
+from slmm.mechanics.material import Material
+from slmm.scene import gallery
 
 CASE = Path(__file__).parents[3] / "shared" / "cases" / "r17-error-estimate-too-small" / "scene.json"
 MATERIAL = Material(E=1000.0, nu=0.3, sigma_c=10.0, G_c=0.01)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from slmm import gallery
 from slmm.initiation.support import LIMIT, edge_support, supported
+from slmm.scene import gallery
 
 
 def rho(scene, point=(70.0, 50.0), height=10.0):

@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slmm import failure_indices, gallery, read_scene
+from slmm import failure_indices, read_scene
 from slmm.fem.triangulation import MesherError
+from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 

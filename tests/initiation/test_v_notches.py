@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slmm import Scene, gallery
+from slmm import Scene
 from slmm.initiation.positions import find_positions
 from slmm.initiation.v_notches import notch_at
+from slmm.scene import gallery
 
 
 def at(scene, point):

@@ -6,8 +6,8 @@ import xarray as xr
 from precompute.spec import SweepSpec
 from precompute.store import assemble, rounded, write
 from precompute.sweep import run_sweep
-from slmm.cell_file import SCHEMA, read_cells
-from slmm.model_file import DatabaseError
+from slmm.running.cell_file import SCHEMA, read_cells
+from slmm.running.model_file import DatabaseError
 
 SPEC = SweepSpec(
     curvature=(-0.5, 0.0),

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from precompute.cli import app
 from precompute.spec import SweepSpec
 from precompute.sweep import part_file, run_sweep, tasks
-from slmm.cell_file import read_cells
+from slmm.running.cell_file import read_cells
 
 COARSE = """
 curvature = [-0.5, -0.25, 0.0]

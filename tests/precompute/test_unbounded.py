@@ -5,7 +5,7 @@ from scipy.interpolate import CubicSpline
 
 from precompute.grading import Fineness
 from precompute.unbounded import legendre_loads, unbounded_body, unbounded_compliance
-from slmm.fem.crack_line import crack_factor
+from slmm.mechanics.crack_line import crack_factor
 
 #: K = F S sqrt(pi L) of one crack at a circular hole of radius R in an unbounded plate under tension S, from
 #: high-order finite elements (1e-4). The shortest crack is an edge crack in a half plane under 3 S.

@@ -26,8 +26,8 @@ from precompute.v_notch import (
     write,
 )
 from slmm.initiation.v_notch_table import load_v_notches, read_v_notches
-from slmm.initiation.williams import release_coefficient, singular_exponent
-from slmm.model_file import shipped
+from slmm.mechanics.williams import release_coefficient, singular_exponent
+from slmm.running.model_file import shipped
 
 COARSE = NotchSpec(openings=(0.0, 90.0), step=0.2, far=1e5, near=1e-4)
 RIGHT = math.pi / 2

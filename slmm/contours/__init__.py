@@ -1,1 +1,0 @@
-"""Notch outlines: spline, curvature, picture to outline."""

@@ -1,0 +1,1 @@
+"""When a crack starts, on bare arrays."""

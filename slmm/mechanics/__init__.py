@@ -1,0 +1,1 @@
+"""What a collection of formulas has: materials, elements, stress, cracks in a line."""

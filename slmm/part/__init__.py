@@ -1,0 +1,1 @@
+"""Geometry alone: outlines of parts and notches, from shapes, points and pictures."""

@@ -1,0 +1,181 @@
+"""What is wrong with the geometry of a plate, its holes and its cracks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, STRtree, box, get_parts, unary_union
+from shapely.validation import explain_validity
+
+from slmm.part.edges import Edges, material_on_edges
+from slmm.part.outline import Outline
+from slmm.part.union import united
+
+Array = NDArray[np.float64]
+
+#: lengths below this share of the plate count as zero
+TOLERANCE = 1e-5
+
+
+def overlaps_united(
+    named: Sequence[tuple[str, Outline]], width: float, height: float
+) -> tuple[list[tuple[str, Outline]], list[str]]:
+    """Named outlines, those that overlap in the plate as one, and what is wrong with their unions."""
+    polygons = [_polygon(outline) for _, outline in named]
+    if len(named) < 2 or not all(polygon.is_valid for polygon in polygons):
+        return list(named), []  # `hole_problems` says so
+    return united(named, polygons, box(0.0, 0.0, width, height), TOLERANCE * max(width, height))
+
+
+def hole_problems(
+    outlines: Sequence[Outline], names: Sequence[str], width: float, height: float
+) -> list[str]:
+    """Problems of the holes with the plate and with each other, each one a sentence that starts with a name.
+
+    Parameters
+    ----------
+    outlines : sequence of Outline
+        Outlines of the holes and edge notches.
+    names : sequence of str
+        What to call them, eg. "holes[0]".
+    width, height : float
+        Size of the plate, mm; its lower left corner is (0, 0).
+    """
+    plate = box(0.0, 0.0, width, height)
+    tolerance = TOLERANCE * max(width, height)
+    inside, around_plate = plate.buffer(-tolerance), plate.buffer(2 * tolerance)
+    holes = [_polygon(outline) for outline in outlines]
+    problems = [
+        f"{name}: the outline crosses or touches itself: {explain_validity(hole)}"
+        for name, hole in zip(names, holes, strict=True)
+        if not hole.is_valid
+    ]
+    if problems:
+        return problems  # the operations below need valid polygons
+
+    # what holes do beyond the plate is of no importance
+    near_plate = [hole.intersection(around_plate) for hole in holes]
+    for name, hole, near in zip(names, holes, near_plate, strict=True):
+        left, bottom, right, top = hole.bounds
+        extent = f"it spans x = {left:.6g} to {right:.6g}, y = {bottom:.6g} to {top:.6g}"
+        mean_width = 2 * hole.area / hole.length
+        if max(right - left, top - bottom) <= tolerance or mean_width <= tolerance:
+            problems.append(f"{name}: is too small for the plate; {extent}")
+        elif hole.covers(plate):
+            problems.append(f"{name}: covers the whole plate; {extent}")
+        elif not hole.intersects(inside):
+            problems.append(f"{name}: lies outside the plate (0 to {width:g}, 0 to {height:g}); {extent}")
+        elif _touches_an_edge(near, width, height, tolerance):
+            problems.append(
+                f"{name}: just touches the plate's edge, so no material is left there; {extent}."
+                " Move it away from the edge, or let a notch go on beyond it"
+            )
+    reaching = [(name, near) for name, near in zip(names, near_plate, strict=True) if not near.is_empty]
+    boxes = box(*np.array([near.bounds for _, near in reaching]).reshape(-1, 4).T)
+    tree = STRtree(boxes)
+    for i, (name, first) in enumerate(reaching):
+        left, bottom, right, top = first.bounds
+        around = box(left - tolerance, bottom - tolerance, right + tolerance, top + tolerance)
+        for k in sorted(tree.query(around)):
+            if k <= i:
+                continue
+            other, second = reaching[k]
+            pair = f"{name} and {other}"
+            if first.contains(second) or second.contains(first):
+                problems.append(f"{pair}: one lies within the other")
+            elif first.distance(second) <= tolerance:
+                x, y = first.intersection(second.buffer(tolerance)).centroid.coords[0]
+                problems.append(
+                    f"{pair}: touch each other near ({x:.6g}, {y:.6g}); move them apart, or let them overlap by"
+                    f" more than {tolerance:.3g} mm, then they are one hole"
+                )
+    if problems:
+        return problems
+
+    rest = plate.difference(unary_union(holes))
+    if isinstance(rest, MultiPolygon):
+        places = " and ".join(
+            "({:.4g}, {:.4g})".format(*piece.representative_point().coords[0]) for piece in rest.geoms
+        )
+        problems.append(f"holes: cut the plate into {len(rest.geoms)} pieces, one at each of {places}")
+    return problems
+
+
+def crack_problems(
+    cracks: Sequence[Array], outlines: Sequence[Outline], width: float, height: float
+) -> list[str]:
+    """Problems of the cracks, each (n, 2) points in mm with the tip last, in a plate whose holes are fine."""
+    plate = box(0.0, 0.0, width, height)
+    tolerance = TOLERANCE * max(width, height)
+    holes = unary_union([_polygon(outline) for outline in outlines])
+    material = plate.difference(holes)
+    problems: list[str] = []
+    lines: list[tuple[int, LineString]] = []
+    for i, points in enumerate(cracks):
+        name = f"cracks[{i}]"
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        if (steps <= tolerance).any():
+            k = int(np.argmax(steps <= tolerance))
+            problems.append(f"{name}: points {k} and {k + 1} coincide; remove one of them")
+            continue
+        line, start, tip = LineString(points), Point(points[0]), Point(points[-1])
+        if not line.is_simple:
+            problems.append(f"{name}: crosses itself")
+        elif not plate.buffer(tolerance).covers(line):
+            problems.append(f"{name}: leaves the plate (0 to {width:g}, 0 to {height:g})")
+        elif not material.contains(tip) or material.boundary.distance(tip) <= tolerance:
+            problems.append(f"{name}: its tip ({tip.x:.6g}, {tip.y:.6g}) must lie inside the material")
+        elif material.contains(start) and material.boundary.distance(start) > tolerance:
+            problems.append(
+                f"{name}: its first point ({start.x:.6g}, {start.y:.6g}) lies inside the material;"
+                " a crack starts at the plate's edge or in a hole, only its last point is a tip"
+            )
+        elif _runs_along_an_edge_or_through_a_hole(line, material, tolerance):
+            problems.append(f"{name}: runs through a hole or along an edge")
+        else:
+            lines.append((i, line))
+    for a, (i, first) in enumerate(lines):
+        for j, second in lines[a + 1 :]:
+            if first.distance(second) <= tolerance:
+                problems.append(f"cracks[{i}] and cracks[{j}]: touch or cross each other")
+    return problems
+
+
+def _touches_an_edge(hole: Geometry, width: float, height: float, tolerance: float) -> bool:
+    """Whether what lies of a hole in and just around the plate ends at the plate's edge, not inside or beyond."""
+    left, bottom, right, top = hole.bounds
+    return bool(min(abs(left), abs(bottom), abs(right - width), abs(top - height)) <= tolerance)
+
+
+def _runs_along_an_edge_or_through_a_hole(line: LineString, material: Polygon, tolerance: float) -> bool:
+    # what a crack's first point misses the edge by, for rounding, is no part of its own
+    parts = get_parts(line.intersection(material))
+    if sum(part.length > tolerance for part in parts) != 1:
+        return True
+    # at its start the crack leaves the edge at some angle, of more than half a degree
+    beside = material.boundary.intersection(line.buffer(tolerance, cap_style="flat"))
+    return bool(beside.length > 200 * tolerance)
+
+
+def position_problems(points: Array, width: float, height: float) -> list[str]:
+    """Which of the positions (n, 2), mm, lie too far from the plate to be meant as points of a notch."""
+    beyond = np.maximum(np.maximum(-points, points - (width, height)), 0.0)
+    far = np.flatnonzero(np.hypot(*beyond.T) > 0.05 * max(width, height))
+    return [
+        f"analysis.points[{k}] = [{points[k, 0]:g}, {points[k, 1]:g}]: must lie in or near the plate"
+        f" (0 to {width:g}, 0 to {height:g})"
+        for k in far
+    ]
+
+
+def edges_of(outlines: Sequence[Outline], width: float, height: float) -> Edges:
+    """Where the edges of a plate with notches have material."""
+    return material_on_edges([_polygon(outline) for outline in outlines], width, height)
+
+
+def _polygon(outline: Outline) -> Polygon:
+    # four points per piece: a chord then stays within 3e-6 radii of the outline, below the tolerance
+    parts = outline.breaks[:-1, None] + np.diff(outline.breaks)[:, None] * np.arange(4) / 4
+    return Polygon(outline.points(parts.ravel()))

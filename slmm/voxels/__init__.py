@@ -1,0 +1,1 @@
+"""The voxel model of a plate: stencils, kernels, multigrid."""
