@@ -154,7 +154,8 @@ class _Choice:
         for k, i in enumerate(rows[np.argsort(-self.highest[rows], kind="stable")]):
             if not self.settled[i]:
                 self.task.progress(k / len(rows), f"{name}, position {k + 1} of {len(rows)}")
-                self.ask(name, partial(method, least=MATTERS * self.largest), np.array([i]))
+                reached = self.answer.curves.a[[i], -1] if self.bounded[i] else None
+                self.ask(name, partial(method, least=MATTERS * self.largest, reached=reached), np.array([i]))
                 self.settle_negligible()
 
     def settle(self) -> None:

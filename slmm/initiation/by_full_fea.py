@@ -32,7 +32,7 @@ ROUND_OFF = 1e-6
 TOO_SHORT = "crack longer than the path"
 
 
-def by_full_fea(task: Task, least: float | None = None) -> Answer:
+def by_full_fea(task: Task, least: float | None = None, reached: np.ndarray | None = None) -> Answer:
     """Answer position by position.
 
     Parameters
@@ -41,12 +41,15 @@ def by_full_fea(task: Task, least: float | None = None) -> Answer:
     least : float, optional
         Two meshes do where they meet the task's tolerance, of the failure index or of this one, whichever is larger;
         by default three are made in any case.
+    reached : ndarray (n,), optional
+        Up to which lengths curves are known to end too early, mm; NaN where nothing is known.
     """
+    reached = np.full(task.n, np.nan) if reached is None else reached
     answer = Answer.empty(task.n, "full-fea")
     for i in range(task.n):
         if task.n > 1:  # of a single one, whoever asks says where it stands
             task.progress(i / task.n, f"full FEA, position {i + 1} of {task.n}")
-        _at_position(task, answer, i, least)
+        _at_position(task, answer, i, least, float(reached[i]))
     for k, outline in enumerate(task.scene.outlines):
         smooth = task.smooth & (task.where.hole == k)
         answer.column("curvature")[smooth] = 0.5 * outline.curvatures(task.where.s[smooth])
@@ -54,12 +57,14 @@ def by_full_fea(task: Task, least: float | None = None) -> Answer:
     return answer
 
 
-def _at_position(task: Task, answer: Answer, i: int, least: float | None) -> None:
+def _at_position(task: Task, answer: Answer, i: int, least: float | None, reached: float) -> None:
     """Fill one row: with the usual path, a longer one, and one through the ligament, as long as none is enough."""
     within = IN_LIGAMENT * float(task.paths.ligament[i])
     usual, longer = float(task.paths.longest[i]), float(task.paths.lengthened().longest[i])
     # what reaches that far goes through at once; where that cannot be meshed, curves up to there are bounds
-    shorter = [longest for longest in (usual, longer) if longest < 0.999 * within]
+    shorter = [
+        longest for longest in (usual, longer) if longest < 0.999 * within and not longest <= 1.001 * reached
+    ]
     for longest in (*shorter, np.inf, within):
         for levels in (LEVELS,) if least is None else (FEWER_LEVELS, LEVELS):
             try:

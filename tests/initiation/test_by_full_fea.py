@@ -109,3 +109,17 @@ def test_energy_of_a_narrow_notch_does_not_rise_towards_its_tip():
     )
     curves = sampled(model, np.radians(5.0))
     assert curves.G_inc.max() == pytest.approx(0.01**-0.001, rel=1e-6)
+
+
+def test_what_is_known_to_end_too_early_is_not_tried_again(monkeypatch):
+    """Dislocations reach to 0.6 of a ligament that breaks at once: full FEA starts with the whole of it."""
+    scene, ends = between_holes(20.0), []
+
+    def noted(*arguments, end=None, **keywords):
+        ends.append(end)
+        return full_fea_curves(*arguments, end=end, **keywords)
+
+    monkeypatch.setattr(by_full_fea, "full_fea_curves", noted)
+    result = failure_indices(scene, "auto").isel(position=0)
+    assert result.status == "ok" and result.used_method == "full-fea"
+    assert ends and all(end is not None for end in ends)
