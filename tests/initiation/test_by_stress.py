@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from slmm import Material, failure_indices
 from slmm.initiation.by_stress import (
-    METHODS,
     NEAR,
     SINGULAR,
     TOO_DEEP,
@@ -25,6 +24,8 @@ pytest.importorskip("netgen")
 PMMA = Material.from_name("PMMA")
 #: l_ch of thesis Eq. 3.16, in which Taylor's distances are a half and two
 L_CH = PMMA.irwin_length / np.pi
+
+METHODS = ("rankine", "mises", "point", "line")
 
 
 def bending(h):
