@@ -256,17 +256,30 @@ def _components(nodes: np.ndarray) -> np.ndarray:
 
 
 def nested_dissection(K: sp.csr_array, free: np.ndarray) -> np.ndarray:
-    """Order of some unknowns that keeps their factor sparse: METIS on the graph of the nodes."""
-    import pymetis
+    """Order of some unknowns that keeps their factor sparse: METIS on the graph of the nodes.
 
+    Without METIS, which has no wheels for some systems, SuperLU's minimum degree, whose factors take longer.
+    """
     nodes, of_node = np.unique(free // 2, return_inverse=True)
     graph = K[::2, ::2][nodes][:, nodes].tocoo()
     other = graph.row != graph.col
     graph = sp.csr_array(
         (np.ones(other.sum(), dtype=np.int8), (graph.row[other], graph.col[other])), graph.shape
     )
-    _, rank = pymetis.nested_dissection(pymetis.CSRAdjacency(graph.indptr, graph.indices))
-    return np.argsort(np.asarray(rank)[of_node], kind="stable")
+    try:
+        import pymetis
+    except ImportError:
+        rank = _minimum_degree(graph)
+    else:
+        rank = np.asarray(pymetis.nested_dissection(pymetis.CSRAdjacency(graph.indptr, graph.indices))[1])
+    return np.argsort(rank[of_node], kind="stable")
+
+
+def _minimum_degree(graph: sp.csr_array) -> np.ndarray:
+    """Place (n,) of each node of a graph in the order that SuperLU would take."""
+    n = graph.shape[0]
+    heavy = sp.eye_array(n) * (graph.sum(axis=1).max() + 1.0) - graph.astype(float)
+    return splu(heavy.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).perm_c
 
 
 def factorised(K: sp.csr_array, order: np.ndarray) -> SuperLU:

@@ -1,5 +1,7 @@
 """A plate with open cracks: free faces, known openings and energies, and what a trial path releases."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -239,3 +241,11 @@ def test_last_block_of_a_factor_is_the_schur_complement():
     )
     assert pytest.approx(schur, rel=1e-9, abs=1e-9 * np.abs(schur).max()) == S
     assert np.array_equal(S, S.T)
+
+
+def test_without_metis_the_same_displacements_come_by_the_solver_s_own_ordering(monkeypatch):
+    scene = gallery.circular_hole()
+    with_metis = solved(scene)
+    monkeypatch.setitem(sys.modules, "pymetis", None)
+    without = solved(scene)
+    assert np.allclose(without.u, with_metis.u, rtol=0, atol=1e-11 * np.abs(with_metis.u).max())
