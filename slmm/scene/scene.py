@@ -24,7 +24,6 @@ from pydantic import (
 from slmm.mechanics.material import LEAST, MATERIALS, MOST, Material, State
 from slmm.part import shapes
 from slmm.part.checks import crack_problems, edges_of, hole_problems, overlaps_united, position_problems
-from slmm.part.image import outlines_in_picture
 from slmm.part.outline import Outline
 from slmm.part.points import point_problems, polygon_problems, read_points, without_repetition
 from slmm.running.encoding import without_control
@@ -263,6 +262,8 @@ class ImageHole(Table):
 
     def outlines(self, plate: Plate) -> list[Outline]:
         """The outlines of all its dark areas."""
+        from slmm.part.image import outlines_in_picture  # brings scikit-image
+
         return outlines_in_picture(Path(self.file), self.pixel_size, plate.width, plate.height)
 
 
