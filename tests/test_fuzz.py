@@ -161,8 +161,8 @@ def sqlite(folder):
 
 def npz(folder):
     from slmm.optimization import Cantilever
-    from slmm.optimization.brute_force import _State
-    from slmm.optimization.exhaustive import all_designs
+    from slmm.optimization.cantilever.brute_force import _State
+    from slmm.optimization.cantilever.exhaustive import all_designs
 
     (folder / "found.journals").mkdir()
     state = _State(f"{Cantilever(5, 3)!r}, best 200000, {slmm.__version__}")

@@ -16,9 +16,9 @@ import matplotlib
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 
-from slmm.optimization.brute_force import brute_force
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.exhaustive import all_designs, count_valid, design_of
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.brute_force import brute_force
+from slmm.optimization.cantilever.exhaustive import all_designs, count_valid, design_of
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -30,8 +30,8 @@ BINS = np.linspace(-0.02, 0.8, 165)
 #: what one core is asked for, in a process of its own: the first grid compiles, the second is timed
 ONE_CORE = """
 import time
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.exhaustive import all_designs
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.exhaustive import all_designs
 sum(b.value.size for b in all_designs(Cantilever(6, 5)))
 start = time.process_time(), time.perf_counter()
 n = sum(b.value.size for b in all_designs(Cantilever(8, 5)))

@@ -1,9 +1,9 @@
 """A search that finds the global optimum of Table 2's benchmark, where TBFSL, the best one of the paper, does not.
 
-Tabu search (slmm.optimization.tabu) beside TBFSL(4, 2) from random designs: 100 runs on the 8 x 5 cantilever, with
-seeds that its settings were not chosen on, and some on 9 x 5, where nothing but the number of steps is another. Ranks
-are exact, from all valid designs; relative costs are those of Table 2. The best 112 designs of 8 x 5 carry a
-counterweight below the free end; they are far from those at rank 203 and 247, where TBFSL ends, and its descents reach
+Tabu search (slmm.optimization.algorithms.tabu) beside TBFSL(4, 2) from random designs: 100 runs on the 8 x 5
+cantilever, with seeds that its settings were not chosen on, and some on 9 x 5, where nothing but the number of steps
+is another. Ranks are exact, from all valid designs; relative costs are those of Table 2. The best 112 designs of 8 x 5
+carry a counterweight below the free end; they are far from those at rank 203 and 247, where TBFSL ends, and its descents reach
 rank 1 three times in 40 000.
 Required: the median relative cost is at most that of TBFSL, and no more than half of the runs miss rank 1. On 9 x 5,
 with 13 times as many designs, that takes more steps; what comes of the default number there is told.
@@ -22,9 +22,9 @@ import numpy as np
 from checks import Check, run, save, show
 from table2_searches import quartiles, relative_cost
 
-from slmm.optimization.brute_force import ranks
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.exhaustive import count_valid
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.brute_force import ranks
+from slmm.optimization.cantilever.exhaustive import count_valid
 from slmm.optimization.search import search
 
 FIRST_SEED = 1000

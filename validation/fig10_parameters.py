@@ -17,8 +17,8 @@ import numpy as np
 from checks import RESULTS, Check, run, save, show
 from table2_searches import BEAM, relative_cost
 
-from slmm.optimization.brute_force import ranks
-from slmm.optimization.exhaustive import count_valid
+from slmm.optimization.cantilever.brute_force import ranks
+from slmm.optimization.cantilever.exhaustive import count_valid
 from slmm.optimization.search import search
 
 matplotlib.use("Agg")

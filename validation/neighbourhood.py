@@ -15,10 +15,10 @@ import time
 import numpy as np
 from checks import Check, run, save, show
 
+from slmm.optimization.algorithms.breadth_first import flips_within
 from slmm.optimization.ask import Flipped
-from slmm.optimization.breadth_first import flips_within
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.neighbourhood_model import NeighbourhoodModel
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.neighbourhood_model import NeighbourhoodModel
 from slmm.optimization.search import search
 
 

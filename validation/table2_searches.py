@@ -22,9 +22,9 @@ import numpy as np
 from checks import RESULTS, Check, run, save, show
 from scipy.stats import gaussian_kde
 
-from slmm.optimization.brute_force import ranks
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.exhaustive import count_valid
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.brute_force import ranks
+from slmm.optimization.cantilever.exhaustive import count_valid
 from slmm.optimization.search import search
 
 matplotlib.use("Agg")

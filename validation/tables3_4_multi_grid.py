@@ -19,8 +19,8 @@ import matplotlib
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.multi_grid import PUBLISHED as STAGES
+from slmm.optimization.algorithms.multi_grid import PUBLISHED as STAGES
+from slmm.optimization.cantilever.beam import Cantilever
 from slmm.optimization.search import SearchResult, search
 from slmm.pictures.optimization import draw_design
 

@@ -93,7 +93,7 @@ def cantilever(
         its = _settings(depth, radius, settings or [])
         with progress_bar() as progress, word_on_compilation():
             from slmm.optimization import Cantilever
-            from slmm.optimization.brute_force import BEST, brute_force
+            from slmm.optimization.cantilever.brute_force import BEST, brute_force
             from slmm.optimization.runs import search_runs
             from slmm.optimization.search import check_settings
             from slmm.pictures.figure_file import write_figure

@@ -1,4 +1,8 @@
-"""Stiffness of a plate model condensed to its boundary: any other load there is then a small dense solve."""
+"""A plate model seen from its boundary: displacements and forces there under any other load.
+
+For many loads the stiffness is condensed to the boundary, and each is a small dense solve. For a few it is cheaper to
+solve the whole model, which is factorised in any case.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +31,7 @@ class BoundaryStiffness:
 
     def __init__(self, model: PlateModel):
         """Condense and factorise."""
-        facets = model.mesh.boundary_facets()
-        ends = model.mesh.facets[:, facets].ravel()
-        self.nodes = np.unique(np.concatenate([ends, model.mesh.nvertices + facets]))
+        self.nodes = boundary_nodes(model)
         unknowns = np.ravel(2 * self.nodes[:, None] + np.arange(2))
         inner = np.setdiff1d(np.arange(2 * len(model.points)), unknowns)
         order = np.concatenate([inner[nested_dissection(model.K, inner)], unknowns])
@@ -58,3 +60,35 @@ class BoundaryStiffness:
         u[free] = la.cho_solve(self._free, f[free] - self._held_by_free.T @ u[self.held])
         f[self.held] = self._held_by_free @ u[free] + self._held @ u[self.held]
         return u.reshape(-1, 2, k), f.reshape(-1, 2, k)
+
+
+class BoundaryOfModel:
+    """A plate model seen from its boundary, under the scene's kind of support, by a solve of all of it for each load.
+
+    Parameters and attributes are those of `BoundaryStiffness`.
+    """
+
+    def __init__(self, model: PlateModel):
+        """Find the boundary."""
+        self.nodes, self._model = boundary_nodes(model), model
+        self._unknowns = np.ravel(2 * self.nodes[:, None] + np.arange(2))
+        self.held = model.load.prescribed.ravel()[self._unknowns]
+        self._held_rows = model.K[self._unknowns[self.held]]
+
+    def response(self, force: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements and nodal forces (b, 2, k) of the boundary under k loads, see `BoundaryStiffness.response`."""
+        model, k = self._model, force.shape[-1]
+        f = force.reshape(-1, k).copy()
+        u, load = np.zeros((2, 2 * len(model.points), k))
+        u[self._unknowns[self.held]] = value.reshape(-1, k)[self.held]
+        load[self._unknowns] = f
+        u[model.order] = model.factor.solve((load - model.K @ u)[model.order])
+        f[self.held] = self._held_rows @ u
+        return u[self._unknowns].reshape(-1, 2, k), f.reshape(-1, 2, k)
+
+
+def boundary_nodes(model: PlateModel) -> np.ndarray:
+    """Nodes (b,) of the boundary, crack faces among them."""
+    facets = model.mesh.boundary_facets()
+    ends = model.mesh.facets[:, facets].ravel()
+    return np.unique(np.concatenate([ends, model.mesh.nvertices + facets]))

@@ -50,7 +50,12 @@ class PlateModel:
     load : NodalLoad
     u : ndarray, shape (n, 2)
         Displacements, mm.
+    factor, order : SuperLU, ndarray
+        Of the stiffness of what is not prescribed, and its numbers in the factor's order; of models without a path.
     """
+
+    factor: SuperLU
+    order: np.ndarray
 
     def __init__(self, mesh: PlateMesh, scene: Any, loading: Loading = plate_load) -> None:
         """Assemble, factorise and solve."""
@@ -82,8 +87,9 @@ class PlateModel:
     def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
         """Put the free displacements into ``value`` (2 n,), which holds the prescribed ones."""
         free = np.setdiff1d(np.flatnonzero(~self.load.prescribed.ravel()), jump)
-        order = free[nested_dissection(self.K, free)]
-        value[order] = factorised(self.K, order).solve((force - self.K @ value)[order])
+        self.order = free[nested_dissection(self.K, free)]
+        self.factor = factorised(self.K, self.order)
+        value[self.order] = self.factor.solve((force - self.K @ value)[self.order])
 
     @cached_property
     def results(self) -> ElementResults:

@@ -66,7 +66,7 @@ def body_fitted_model(task: Task, coarseness: float = 1.0) -> BodyFitted:
 def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndarray) -> None:
     """Fill the answer at some positions."""
     scene, where = task.scene, task.where
-    dislocations = DislocationModel(scene, model)
+    dislocations = DislocationModel(scene, model, len(rows))
     radius, reference = answer.column("reference_radius"), reference_stress(scene)
     left, longest = rows, task.paths.longest.copy()
     for attempt in range(3):

@@ -24,7 +24,7 @@ import shapely
 from numpy.polynomial import legendre
 
 from slmm.fem.boundary import plate_body
-from slmm.fem.boundary_stiffness import BoundaryStiffness
+from slmm.fem.boundary_stiffness import BoundaryOfModel, BoundaryStiffness
 from slmm.fem.plate_model import PlateModel
 from slmm.initiation.body_fitted import BodyFitted
 from slmm.initiation.contact import tip_opening, until_closed
@@ -39,6 +39,8 @@ DIPOLES, FIRST_DEPTH = 8, 0.07
 LONG, MORE_DIPOLES, FIRST_OF_RADIUS, LEAST_FIRST_DEPTH = 2.0, 16, 0.15, 0.01
 #: depths of the path stress: enough for a crack that is many times as long as the notch's radius
 STRESS_POINTS = 40
+#: from so many positions on a model is condensed to its boundary; measured: the costs are then equal
+MANY = 16
 #: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
 LENGTHS, SHORTEST = 24, 1 / 100
 #: longest crack over the radius of a surface that is compared with a straight edge
@@ -91,11 +93,13 @@ class Boundary:
     ----------
     model : PlateModel
         Of the uncracked part.
+    condensed : bool
+        To the boundary: dear, and cheap for each position then.
     """
 
-    def __init__(self, model: PlateModel):
+    def __init__(self, model: PlateModel, condensed: bool = True):
         """Condense the model and gather its outer edges, the body on their left."""
-        self.stiffness = BoundaryStiffness(model)
+        self.stiffness = BoundaryStiffness(model) if condensed else BoundaryOfModel(model)
         nodes = self.stiffness.nodes
         self.at = np.ascontiguousarray(model.points[nodes])
         self.supports = model.load.supports[nodes]
@@ -192,12 +196,15 @@ class DislocationModel:
         ``plate``, ``outlines`` and ``material`` are used.
     model : BodyFitted
         Of the uncracked part.
+    positions : int, optional
+        How many will be asked for, if that is known.
     """
 
-    def __init__(self, scene: Any, model: BodyFitted):
+    def __init__(self, scene: Any, model: BodyFitted, positions: int = MANY):
         """Gather the boundaries of both meshes."""
         self.scene, self.model = scene, model
-        self.boundaries = Boundary(model.coarse), Boundary(model.fine)
+        condensed = positions >= MANY
+        self.boundaries = Boundary(model.coarse, condensed), Boundary(model.fine, condensed)
         self.body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
         shapely.prepare(self.body)
 

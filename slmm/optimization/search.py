@@ -14,12 +14,12 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from slmm import __version__
-from slmm.optimization.algorithms import ON_ONE_GRID, Algorithm, chosen, completed
+from slmm.optimization.algorithms.multi_grid import mg
+from slmm.optimization.algorithms.registry import ON_ONE_GRID, Algorithm, chosen, completed
 from slmm.optimization.ask import Ask, Asking, improvements
 from slmm.optimization.checks import check_whole
 from slmm.optimization.evaluation import Evaluation, Part, evaluating
 from slmm.optimization.journal import open_journal
-from slmm.optimization.multi_grid import mg
 from slmm.optimization.problem import Problem
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from slmm.optimization.cantilever import HEIGHT, LENGTH, Cantilever
+from slmm.optimization.cantilever.beam import HEIGHT, LENGTH, Cantilever
 from slmm.pictures.initiation import CRITICAL, PALETTE, STYLE
 
 #: the largest displacement is drawn as long as this share of the beam's height
@@ -25,7 +25,7 @@ def plot_optimization(beam: Cantilever, result: xr.Dataset) -> Figure:
     ----------
     beam : Cantilever
     result : Dataset
-        From `slmm.optimization.search_runs`, `SearchResult.to_dataset` or `slmm.optimization.brute_force`.
+        From `slmm.optimization.search_runs`, `SearchResult.to_dataset` or `slmm.optimization.cantilever.brute_force`.
 
     Returns
     -------

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from slmm.command.cli import app
 from slmm.optimization import Cantilever
-from slmm.optimization.brute_force import brute_force
+from slmm.optimization.cantilever.brute_force import brute_force
 from slmm.optimization.runs import search_runs
 from slmm.pictures.optimization import plot_optimization
 

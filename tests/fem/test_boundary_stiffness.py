@@ -1,16 +1,19 @@
-"""The plate seen from its boundary: the same displacements and forces as the whole model, by a small dense solve."""
+"""The plate seen from its boundary: the same displacements and forces as the whole model, condensed or not."""
+
+import itertools
 
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from slmm.fem.boundary_stiffness import BoundaryStiffness
+from slmm.fem.boundary_stiffness import BoundaryOfModel, BoundaryStiffness
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.scene import gallery
 
 pytest.importorskip("netgen")
 
+KINDS = (BoundaryStiffness, BoundaryOfModel)
 LOADS = {
     "strain": {"strain": [0.02, 0.1, 0.05]},
     "displacement": {"displacement": 1.0},
@@ -18,16 +21,17 @@ LOADS = {
 }
 
 
-@pytest.fixture(scope="module", params=[*LOADS, "cracked"])
+@pytest.fixture(scope="module", params=itertools.product([*LOADS, "cracked"], KINDS))
 def plate(request):
-    if request.param == "cracked":
+    name, kind = request.param
+    if name == "cracked":
         scene = gallery.edge_crack(load={"displacement": 0.1})
     else:
-        scene = gallery.elliptic_hole(load=LOADS[request.param])
+        scene = gallery.elliptic_hole(load=LOADS[name])
     cracks = [np.array(crack.points) for crack in scene.cracks]
     mesh = plate_mesh(scene.plate.width, scene.plate.height, scene.outlines, cracks=cracks, size_max=12.0)
     model = PlateModel(mesh, scene)
-    return model, BoundaryStiffness(model)
+    return model, kind(model)
 
 
 def sparse_solution(model, force, value):
@@ -124,10 +128,11 @@ def test_many_loads_at_once_are_each_as_alone(plate):
             assert close(one[..., k], other[..., 0])
 
 
-def test_a_rigid_displacement_of_all_edges_needs_no_force():
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_rigid_displacement_of_all_edges_needs_no_force(kind):
     scene = gallery.circular_hole()
     model = PlateModel(plate_mesh(100.0, 100.0, scene.outlines, size_max=12.0), scene)
-    boundary = BoundaryStiffness(model)
+    boundary = kind(model)
     x, y = model.points[boundary.nodes].T
     motion = np.column_stack([0.3 - 0.01 * y, -0.2 + 0.01 * x])[..., None]
     u, f = boundary.response(np.zeros_like(motion), motion)

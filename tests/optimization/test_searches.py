@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slmm.optimization import Cantilever, search
-from slmm.optimization.annealing import accepts
+from slmm.optimization.algorithms.annealing import accepts
+from slmm.optimization.algorithms.breadth_first import flips_within
+from slmm.optimization.algorithms.free_shape import outer_edge
+from slmm.optimization.algorithms.multi_grid import scaled
 from slmm.optimization.ask import Flipped
-from slmm.optimization.breadth_first import flips_within
-from slmm.optimization.brute_force import brute_force
-from slmm.optimization.free_shape import outer_edge
-from slmm.optimization.multi_grid import scaled
+from slmm.optimization.cantilever.brute_force import brute_force
 from slmm.optimization.runs import search_runs
 
 BEAM = Cantilever(6, 4)

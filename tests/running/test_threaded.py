@@ -24,7 +24,7 @@ def test_an_import_changes_nothing():
     code = """if True:
         import os
         before = os.environ.get("OMP_WAIT_POLICY")
-        import slmm.voxels.model, slmm.optimization.exhaustive
+        import slmm.voxels.model, slmm.optimization.cantilever.exhaustive
         from numba.np.ufunc import parallel
         assert os.environ.get("OMP_WAIT_POLICY") == before
         assert not parallel._is_initialized

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from slmm.optimization import Cantilever
-from slmm.optimization.annealing import sa
-from slmm.optimization.breadth_first import bfsl
-from slmm.optimization.genetic import ga, recombined
-from slmm.optimization.sampling import rs
+from slmm.optimization.algorithms.annealing import sa
+from slmm.optimization.algorithms.breadth_first import bfsl
+from slmm.optimization.algorithms.genetic import ga, recombined
+from slmm.optimization.algorithms.sampling import rs
 
 BEAM = Cantilever(6, 4)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slmm.optimization.algorithms import ON_ONE_GRID, Algorithm, chosen, completed
+from slmm.optimization.algorithms.registry import ON_ONE_GRID, Algorithm, chosen, completed
 from slmm.optimization.ask import Ask, Asking, improvements
 from slmm.optimization.problem import Problem
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from slmm.optimization.algorithms.breadth_first import flips_within
 from slmm.optimization.ask import Flipped
-from slmm.optimization.breadth_first import flips_within
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.neighbourhood_model import WIDEST, NeighbourhoodModel
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.neighbourhood_model import WIDEST, NeighbourhoodModel
 
 
 def design_of(beam, seed, share=0.6):

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from slmm.optimization.annealing import sa
+from slmm.optimization.algorithms.annealing import sa
+from slmm.optimization.algorithms.breadth_first import bfsl, tbfsl
+from slmm.optimization.algorithms.free_shape import fs
+from slmm.optimization.algorithms.genetic import ga
+from slmm.optimization.algorithms.sampling import bf, rs
+from slmm.optimization.algorithms.tabu import tabu
 from slmm.optimization.ask import Asking
-from slmm.optimization.breadth_first import bfsl, tbfsl
-from slmm.optimization.free_shape import fs
-from slmm.optimization.genetic import ga
-from slmm.optimization.sampling import bf, rs
-from slmm.optimization.tabu import tabu
 
 #: called with a problem, a start (or None), a random generator, and its settings by name
 Algorithm = Callable[..., Asking]

@@ -12,9 +12,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from slmm import __version__
-from slmm.optimization.cantilever import Cantilever
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.exhaustive import Block, all_designs, check_grid, count_valid, design_of
 from slmm.optimization.checks import check_whole
-from slmm.optimization.exhaustive import Block, all_designs, check_grid, count_valid, design_of
 from slmm.running.array_file import read_arrays
 from slmm.running.whole_file import whole_file
 
@@ -53,12 +53,12 @@ def brute_force(
     -------
     xarray.Dataset
         ``n_valid``, ``best_design(row, column)``, ``endpoint_displacement(rank)`` in ascending order, mm, and
-        ``code(rank)``, from which `slmm.optimization.exhaustive.design_of` makes the designs.
+        ``code(rank)``, from which `slmm.optimization.cantilever.exhaustive.design_of` makes the designs.
 
     Raises
     ------
     ValueError
-        See `slmm.optimization.exhaustive.check_grid`; when best is less than 1; and for a journal that is of
+        See `slmm.optimization.cantilever.exhaustive.check_grid`; when best is less than 1; and for a journal that is of
         something else, or there already and not to be resumed.
 
     Examples
@@ -133,7 +133,7 @@ def ranks(beam: Cantilever, values: ArrayLike) -> np.ndarray:
     Raises
     ------
     ValueError
-        For a value that is not finite, and see `slmm.optimization.exhaustive.check_grid`.
+        For a value that is not finite, and see `slmm.optimization.cantilever.exhaustive.check_grid`.
 
     Examples
     --------

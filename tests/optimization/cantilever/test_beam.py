@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slmm.optimization.cantilever import HEIGHT, LENGTH, MATERIAL, WEIGHT, Cantilever
+from slmm.optimization.cantilever.beam import HEIGHT, LENGTH, MATERIAL, WEIGHT, Cantilever
 
 
 def random_designs(beam, n, seed=0):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.near_inverse import NearInverse, places
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.near_inverse import NearInverse, places
 
 
 def dense(beam, design):

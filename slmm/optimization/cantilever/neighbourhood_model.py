@@ -29,17 +29,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slmm.optimization.changed_cells import (
+from slmm.optimization.cantilever.changed_cells import (
     sag_changes,
     strains,
     strains_of_cells,
     strains_of_pairs,
     touching,
 )
-from slmm.optimization.near_inverse import NearInverse, places
+from slmm.optimization.cantilever.near_inverse import NearInverse, places
 
 if TYPE_CHECKING:
-    from slmm.optimization.cantilever import Cantilever
+    from slmm.optimization.cantilever.beam import Cantilever
 
 #: of neighbours whose cells span more columns and rows than this, added up and less two, nothing is known
 WIDEST = 8
@@ -66,7 +66,7 @@ class NeighbourhoodModel:
 
     Examples
     --------
-    >>> from slmm.optimization.cantilever import Cantilever
+    >>> from slmm.optimization.cantilever.beam import Cantilever
     >>> beam = Cantilever(8, 5)
     >>> model = NeighbourhoodModel(beam, np.ones((5, 8), dtype=bool))
     >>> flipped = np.ones((5, 8), dtype=bool)

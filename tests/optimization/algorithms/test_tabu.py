@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slmm.optimization import Cantilever, search
-from slmm.optimization.tabu import first_better_or_least_worse, tabu
+from slmm.optimization.algorithms.tabu import first_better_or_least_worse, tabu
 
 BEAM = Cantilever(5, 5)
 #: mm, of all 2180 valid designs

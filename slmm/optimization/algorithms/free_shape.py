@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.ndimage import label
 
+from slmm.optimization.algorithms.breadth_first import descent
 from slmm.optimization.ask import Asking
-from slmm.optimization.breadth_first import descent
 from slmm.optimization.problem import Problem, start_design
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from slmm.optimization.column_kernels import eliminate
+from slmm.optimization.cantilever.column_kernels import eliminate
 from slmm.running.threaded import threaded
 
 #: where the nodes of a cell stand in the grid of nodes, from its upper left one

@@ -19,8 +19,8 @@ from scipy.sparse.linalg import splu
 
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.elements import ELEMENTS
+from slmm.optimization.cantilever.column_kernels import all_connected, connected, endpoint_displacements, held
 from slmm.optimization.checks import check_whole
-from slmm.optimization.column_kernels import all_connected, connected, endpoint_displacements, held
 from slmm.optimization.problem import Neighbours
 
 LENGTH, HEIGHT = 120.0, 40.0  # mm
@@ -120,7 +120,7 @@ class Cantilever:
     def neighbours(self, centre: np.ndarray) -> Neighbours:
         """A quick model of the designs around a valid one (rows, columns)."""
         # the model is made of this problem
-        from slmm.optimization.neighbourhood_model import model_around
+        from slmm.optimization.cantilever.neighbourhood_model import model_around
 
         return model_around(self, np.ascontiguousarray(centre, dtype=bool).tobytes())
 

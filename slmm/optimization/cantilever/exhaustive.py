@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.column_kernels import eliminate
-from slmm.optimization.halves import EMPTY, HELD, Halves, counted, fits, left_halves, right_halves
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.column_kernels import eliminate
+from slmm.optimization.cantilever.halves import EMPTY, HELD, Halves, counted, fits, left_halves, right_halves
 from slmm.running.threaded import threaded
 
 #: right halves that are worked on side by side

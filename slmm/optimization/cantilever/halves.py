@@ -16,8 +16,8 @@ from itertools import pairwise
 import numpy as np
 from numba import njit, prange
 
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.column_kernels import add_column, column_places, eliminate
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.column_kernels import add_column, column_places, eliminate
 from slmm.running.threaded import threaded
 
 #: of a column's cells from the top: no cell, a cell that is held, and from 2 on the number of a part that is not

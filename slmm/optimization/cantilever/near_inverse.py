@@ -13,10 +13,10 @@ import numpy as np
 import scipy.linalg.lapack as lapack
 import threadpoolctl
 
-from slmm.optimization.column_kernels import add_column, column_places
+from slmm.optimization.cantilever.column_kernels import add_column, column_places
 
 if TYPE_CHECKING:
-    from slmm.optimization.cantilever import Cantilever
+    from slmm.optimization.cantilever.beam import Cantilever
 
 
 class NearInverse:
@@ -47,7 +47,7 @@ class NearInverse:
 
     Examples
     --------
-    >>> from slmm.optimization.cantilever import Cantilever
+    >>> from slmm.optimization.cantilever.beam import Cantilever
     >>> beam, full = Cantilever(4, 3), np.ones((3, 4), dtype=bool)
     >>> inverse = NearInverse(beam, full)
     >>> inverse.displacements[-1, inverse.corner, :1].round(5), beam.endpoint_displacement([full]).round(5)

@@ -8,9 +8,9 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slmm.optimization.brute_force import brute_force, ranks
-from slmm.optimization.cantilever import Cantilever
-from slmm.optimization.exhaustive import all_designs, count_valid, design_of
+from slmm.optimization.cantilever.beam import Cantilever
+from slmm.optimization.cantilever.brute_force import brute_force, ranks
+from slmm.optimization.cantilever.exhaustive import all_designs, count_valid, design_of
 
 GRIDS = [(2, 2), (3, 2), (2, 4), (4, 3), (5, 3), (3, 5), (6, 1), (5, 4)]
 
@@ -82,7 +82,7 @@ def test_the_best_are_in_order_and_ranks_are_places_in_it(grid):
 def test_a_killed_brute_force_ends_with_the_same_result(tmp_path, monkeypatch):
     beam, journal = Cantilever(5, 4), tmp_path / "journal.npz"
     undisturbed = brute_force(beam, best=30)
-    monkeypatch.setattr("slmm.optimization.brute_force.INTERVAL", -1.0)
+    monkeypatch.setattr("slmm.optimization.cantilever.brute_force.INTERVAL", -1.0)
 
     def kill(share, word):
         if share > 0.5:

@@ -1,0 +1,1 @@
+"""The algorithms: each asks for the values of designs, see `slmm.optimization.ask`."""
