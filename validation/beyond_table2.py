@@ -3,8 +3,8 @@
 Tabu search (slmm.optimization.algorithms.tabu) beside TBFSL(4, 2) from random designs: 100 runs on the 8 x 5
 cantilever, with seeds that its settings were not chosen on, and some on 9 x 5, where nothing but the number of steps
 is another. Ranks are exact, from all valid designs; relative costs are those of Table 2. The best 112 designs of 8 x 5
-carry a counterweight below the free end; they are far from those at rank 203 and 247, where TBFSL ends, and its descents reach
-rank 1 three times in 40 000.
+carry a counterweight below the free end; they are far from those at rank 203 and 247, where TBFSL ends, and its
+descents reach rank 1 three times in 40 000.
 Required: the median relative cost is at most that of TBFSL, and no more than half of the runs miss rank 1. On 9 x 5,
 with 13 times as many designs, that takes more steps; what comes of the default number there is told.
 Writes validation/results/beyond_table2.csv, half an hour on two cores; ``--quick`` does six runs on 5 x 7 with half as

@@ -24,8 +24,9 @@ import scipy.sparse as sp
 from scipy.interpolate import RectBivariateSpline
 
 from slmm.initiation.local_model import bilinear
+from slmm.mechanics.stress import plane_stiffness_constants
 from slmm.part.coverage import area_fraction
-from slmm.voxels.element import element_matrix, plane_stress
+from slmm.voxels.element import element_matrix
 from slmm.voxels.model import solve_voxels
 
 RESULTS = Path(__file__).parent / "results"
@@ -164,7 +165,7 @@ def body_fitted(radial=60, around=256):
     rim = abs(r - RADIUS) < 0.01
     nodes[:, rim] *= RADIUS / r[rim]
     basis = skfem.Basis(skfem.MeshQuad2(nodes, mesh.t), skfem.ElementVector(skfem.ElementQuad2()), intorder=5)
-    _, C12, C33 = plane_stress(NU)
+    _, C12, C33 = plane_stiffness_constants(NU)
     K = linear_elasticity(C12, C33).assemble(basis)  # Lame's lambda of plane stress is C12
     x, y = basis.doflocs
     along_x = np.zeros(basis.N, bool)

@@ -21,6 +21,7 @@ from slmm.mechanics import triangle
 from slmm.mechanics.crack_line import crack_factor
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import ElementResults, linear_elastic
+from slmm.mechanics.stress import plane_stiffness_matrix
 
 
 class PlateModel:
@@ -112,7 +113,7 @@ class PlateModel:
         _, first, count = np.unique(edges @ [len(self.points), 1], return_index=True, return_counts=True)
         interior = np.ones(len(self.points), dtype=bool)
         interior[edges[first[count == 1]]] = False
-        C = plane_stress_stiffness(self.E, self.nu)
+        C = plane_stiffness_matrix(self.E, self.nu)
         return recovered_stress(self.points, closed, self.u, C, interior)[self._place]
 
     def stress(self, points: np.ndarray) -> np.ndarray:
@@ -237,23 +238,6 @@ def last_block(factor: SuperLU, m: int) -> np.ndarray:
     L, U = (block[-m:, -m:].toarray() for block in (factor.L, factor.U))
     S = (L @ U)[np.ix_(last, last)]
     return (S + S.T) / 2
-
-
-def plane_stress_stiffness(E: float, nu: float) -> np.ndarray:
-    """Plane stress: sigma = C epsilon with epsilon = (xx, yy, gamma_xy)."""
-    return E / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
-
-
-def principal_stress(sigma: np.ndarray) -> np.ndarray:
-    """Maximum principal stress of plane stresses (..., 3) given as xx, yy, xy.
-
-    Examples
-    --------
-    >>> principal_stress(np.array([[3.0, 1.0, 0.0], [0.0, 0.0, 2.0]]))
-    array([3., 2.])
-    """
-    xx, yy, xy = np.moveaxis(np.asarray(sigma, dtype=float), -1, 0)
-    return (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
 
 
 def _components(nodes: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from slmm.initiation.v_notch_table import VNotchTable, load_v_notches
 from slmm.mechanics.material import Material
+from slmm.mechanics.stress import principal
 from slmm.mechanics.williams import (
     decaying_fields,
     half_angle,
@@ -220,8 +221,7 @@ def sharp_curves(
         stress += k * field.stress(a, np.zeros_like(a))
         if opens:
             G_inc += k**2 * a ** (2 * field.exponent.real - 1) * release_coefficient(opening, symmetric) / E
-    radial, hoop, shear = stress
-    return G_inc, 0.5 * (radial + hoop) + np.hypot(0.5 * (radial - hoop), shear)
+    return G_inc, principal(*stress)
 
 
 def root_half_width(radius: float, opening: float) -> float:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from slmm.fem.mesh import plate_mesh
-from slmm.fem.plate_model import PlateModel, principal_stress
+from slmm.fem.plate_model import PlateModel
 from slmm.initiation.local_model import Raster, rasterised
+from slmm.mechanics.stress import principal_stress
 
 #: largest turn of an outline along one element edge of the coarser mesh, rad
 ANGLE_MAX = 0.12

@@ -59,9 +59,9 @@ def upper_bounds(task: Task, answer: Answer, method: str) -> np.ndarray:
 
 def _body_fitted(task: Task, whole_path: bool) -> np.ndarray:
     """Bounds (n,) from the stress of a body-fitted model; infinite where a mesh cannot tell."""
-    from slmm.fem.plate_model import principal_stress  # these import the finite element libraries
     from slmm.initiation.by_dislocations import body_fitted_model
     from slmm.initiation.by_stress import distance_to_tips
+    from slmm.mechanics.stress import principal_stress  # these import the finite element libraries
 
     task.progress(0.9, f"strength at {task.n} positions without a value")
     try:

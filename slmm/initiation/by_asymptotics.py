@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slmm.criteria.coupled import ENERGY, NONE
-from slmm.fem.plate_model import PlateModel, principal_stress
+from slmm.fem.plate_model import PlateModel
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.asymptotics import (
     GeneralisedIntensity,
@@ -22,6 +22,7 @@ from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
 from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notches import VNotch, notch_at
+from slmm.mechanics.stress import principal_stress
 from slmm.mechanics.williams import exponents, singular_exponent
 from slmm.part.checks import TOLERANCE
 

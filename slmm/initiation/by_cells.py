@@ -15,6 +15,7 @@ from slmm.initiation.local_model import SMALLEST_SIDE, LocalField, solve_local_m
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.placement import STOPPED
 from slmm.initiation.task import Answer, Task
+from slmm.mechanics.stress import principal
 
 #: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number
 VOXELS_PER_RADIUS = 20
@@ -161,9 +162,8 @@ def strength_on(local: LocalField, task: Task, answer: Answer, rows: np.ndarray)
             continue
         placed = place_cells(scene, outline, where.s[on_k], local, meta, settings, settings.fine)
         stress, error = cell_stress(placed, meta, scene, depths)
-        across, along, shear = stress.swapaxes(0, 1)
-        principal = 0.5 * (across + along) + np.hypot(0.5 * (across - along), shear)
-        low, high = principal.min(axis=1), principal.max(axis=1)
+        sigma_I = principal(*stress.swapaxes(0, 1))
+        low, high = sigma_I.min(axis=1), sigma_I.max(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             relative = (0.5 * (high - low) + error[:, 0]) / (0.5 * (high + low))
         enough = (low > 0) & (relative <= task.tolerance)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from slmm.fem.plate_model import principal_stress
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
 from slmm.initiation.cell_errors import faded, reference_stress
@@ -13,6 +12,7 @@ from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
 from slmm.initiation.meta_model import polynomial_matrix
 from slmm.initiation.task import Answer, Task
+from slmm.mechanics.stress import principal_stress
 
 #: element size of the coarser mesh at a position over the longest crack, and least one over the outline's length
 SIZE_PER_CRACK, SIZE_PER_OUTLINE = 0.25, 1 / 120

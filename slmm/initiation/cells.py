@@ -16,6 +16,7 @@ from slmm.initiation.meta_model import MetaModel, polynomial_matrix
 from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points, fit_cells, grow_cells
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 from slmm.initiation.support import edge_support, supported
+from slmm.mechanics.stress import principal
 from slmm.part.outline import Outline
 from slmm.scene.scene import Scene
 
@@ -287,8 +288,7 @@ def _changes(meta, placed, a_image, measure):
 
 def _principal(sigma):
     """Maximum principal stress (n, k) of components xi-xi, eta-eta, xi-eta (n, 3, k)."""
-    normal, tangential, shear = sigma.swapaxes(0, 1)
-    return 0.5 * (normal + tangential) + np.hypot(0.5 * (normal - tangential), shear)
+    return principal(*sigma.swapaxes(0, 1))
 
 
 def _largest(sigma):

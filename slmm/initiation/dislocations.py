@@ -31,6 +31,7 @@ from slmm.initiation.contact import tip_opening, until_closed
 from slmm.initiation.dipole import dipoles_on_boundary, mirror_stress
 from slmm.initiation.face_compliance import LONGEST, face_compliance, legendre_coefficients
 from slmm.initiation.meta_model import polynomial_matrix
+from slmm.mechanics.stress import kolosov, shear_modulus
 
 #: dipoles that sample D, Chebyshev points over the longest crack but for its first part: D is smooth, and a mesh
 #: resolves it best where the depth is not small
@@ -103,7 +104,7 @@ class Boundary:
         nodes = self.stiffness.nodes
         self.at = np.ascontiguousarray(model.points[nodes])
         self.supports = model.load.supports[nodes]
-        self.mu, self.kappa = model.E / (2 * (1 + model.nu)), (3 - model.nu) / (1 + model.nu)
+        self.mu, self.kappa = shear_modulus(model.E, model.nu), kolosov(model.nu)
         mesh = model.mesh
         facets = mesh.boundary_facets()
         ends = mesh.facets[:, facets].copy()

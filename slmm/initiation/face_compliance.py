@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
 from slmm.initiation.dipole import mirror_stress
+from slmm.mechanics.stress import kolosov, shear_modulus
 
 #: longest crack over the radius of the hole
 LONGEST = 50.0
@@ -78,7 +79,7 @@ def compliance(radius: float, points: int = POINTS) -> np.ndarray:
 
 def _with_points(radius: float, n: int) -> np.ndarray:
     nu, E = 0.3, 1.0  # stresses by dislocations in plane bodies do not depend on Poisson's ratio
-    mu, kappa = E / (2 * (1 + nu)), (3 - nu) / (1 + nu)
+    mu, kappa = shear_modulus(E, nu), kolosov(nu)
     i = np.arange(1, n + 1)
     x, y = np.cos((2 * i - 1) * np.pi / (2 * n)), np.cos(np.arange(1, n) * np.pi / n)
     at, to = (1 + x) / 2, (1 + y) / 2  # depths of the dislocations and of the collocation points

@@ -17,8 +17,9 @@ from scipy.spatial import cKDTree
 
 from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import plate_mesh
-from slmm.fem.plate_model import SlitModel, principal_stress
+from slmm.fem.plate_model import SlitModel
 from slmm.initiation.contact import until_closed
+from slmm.mechanics.stress import principal_stress
 
 #: from one path element to the next at most; also the mesher follows steps up to 1.5 alone
 GROWTH = 1.25

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from slmm.mechanics.material import State
+from slmm.mechanics.stress import kolosov, shear_modulus
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Elasticity:
     @property
     def mu(self) -> float:
         """Shear modulus, MPa."""
-        return self.E / (2 * (1 + self.nu))
+        return shear_modulus(self.E, self.nu)
 
     @property
     def E_prime(self) -> float:
@@ -61,7 +62,7 @@ class Elasticity:
     @property
     def kappa(self) -> float:
         """Kolosov's constant of plane elements."""
-        return (3 - self.nu) / (1 + self.nu) if self.state == "plane stress" else 3 - 4 * self.nu
+        return kolosov(self.nu) if self.state == "plane stress" else 3 - 4 * self.nu
 
     @cached_property
     def _lame(self) -> dict[int, float]:

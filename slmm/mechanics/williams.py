@@ -19,6 +19,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import gamma as gamma_function
 
+from slmm.mechanics.stress import kolosov
+
 #: where lambda_2 passes 1 (102.6 degrees) its field turns into a rotation; it is kept this far away
 ROTATION_GAP = 1e-6
 
@@ -189,7 +191,7 @@ class WilliamsField:
             Of plane stress, or its equivalents in plane strain (`Material.plane_stress_equivalent`).
         """
         lam, A, B = _real_if_real(self.exponent, self.A, self.B)
-        kappa = (3 - nu) / (1 + nu)
+        kappa = kolosov(nu)
         even, odd = (np.cos, np.sin) if self.symmetric else (np.sin, np.cos)
         sign = 1 if self.symmetric else -1
         # Kolosov: 2 mu (u_r + i u_theta) = e^(-i theta) (kappa phi - z conj(phi') - conj(psi))

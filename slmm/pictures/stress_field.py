@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from slmm.fem.boundary import plate_body
 from slmm.initiation.local_model import solve_local_model
 from slmm.mechanics.material import Material
+from slmm.mechanics.stress import plane_stiffness_constants, principal
 from slmm.scene.scene import Scene
-from slmm.voxels.element import plane_stress
 
 Array = NDArray[np.float64]
 View = tuple[float, float, float, float]
@@ -70,7 +70,8 @@ def stress_in_view(scene: Scene, view: View, displacements: Any = None) -> Stres
 
 def _around_cracks(scene: Scene, view: View) -> StressField:
     from slmm.fem.mesh import plate_mesh  # these import the finite element libraries
-    from slmm.fem.plate_model import PlateModel, principal_stress
+    from slmm.fem.plate_model import PlateModel
+    from slmm.mechanics.stress import principal_stress
 
     width, height = scene.plate.width, scene.plate.height
     cracks = [np.asarray(crack.points, dtype=float) for crack in scene.cracks]
@@ -119,8 +120,8 @@ def _principal_stress(u: Array, hx: float, hy: float, material: Material) -> Arr
     along_x = (lower[:, 1:] + upper[:, 1:] - lower[:, :-1] - upper[:, :-1]) / (2 * hx)
     along_y = (upper[:, 1:] + upper[:, :-1] - lower[:, 1:] - lower[:, :-1]) / (2 * hy)
     E, nu = material.plane_stress_equivalent
-    direct, coupling, shear = (E * factor for factor in plane_stress(nu))
+    direct, coupling, shear = (E * factor for factor in plane_stiffness_constants(nu))
     s_xx = direct * along_x[..., 0] + coupling * along_y[..., 1]
     s_yy = coupling * along_x[..., 0] + direct * along_y[..., 1]
     s_xy = shear * (along_x[..., 1] + along_y[..., 0])
-    return 0.5 * (s_xx + s_yy) + np.hypot(0.5 * (s_xx - s_yy), s_xy)
+    return principal(s_xx, s_yy, s_xy)

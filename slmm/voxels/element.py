@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-
-def plane_stress(nu: float) -> tuple[float, float, float]:
-    """C11, C12 and C33 of plane stress for E = 1."""
-    return 1 / (1 - nu**2), nu / (1 - nu**2), 0.5 / (1 + nu)
+from slmm.mechanics.stress import plane_stiffness_constants
 
 
 def coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float64]:
@@ -26,7 +23,7 @@ def coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float64]:
     nu : float
         Poisson's ratio (plane stress, or its equivalent for plane strain).
     """
-    C11, C12, C33 = plane_stress(nu)
+    C11, C12, C33 = plane_stiffness_constants(nu)
     flat, steep = hy / hx, hx / hy
     x_x = _by_position(C11 * flat, C33 * steep)
     y_y = _by_position(C33 * flat, C11 * steep)

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from slmm.mechanics.stress import plane_stiffness_constants
 from slmm.running.threaded import number_of_threads
 from slmm.scene.load_checks import Load
 from slmm.voxels import kernels as voxel_kernels
-from slmm.voxels.element import coefficients, plane_stress
+from slmm.voxels.element import coefficients
 from slmm.voxels.load import Problem, apply_traction, pose
 from slmm.voxels.multigrid import PADDING, Multigrid, padded_zeros
 
@@ -273,7 +274,7 @@ def _edge_forces(
     strain: tuple[float, float, float], width: float, height: float, nx: int, ny: int, nu: float
 ) -> float:
     """Norm of the forces on the edge nodes of a solid plate (E = 1) under a uniform strain."""
-    C11, C12, C33 = plane_stress(nu)
+    C11, C12, C33 = plane_stiffness_constants(nu)
     e_xx, e_yy, g_xy = strain
     s_xx, s_yy, s_xy = C11 * e_xx + C12 * e_yy, C11 * e_yy + C12 * e_xx, C33 * g_xy
     sides = 2 * height**2 / ny * (s_xx**2 + s_xy**2)
@@ -282,7 +283,7 @@ def _edge_forces(
 
 def _energy_coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float32]:
     """Coefficients of the strain energy in a voxel's sums and differences (voxel_kernels.energy)."""
-    C11, C12, C33 = plane_stress(nu)
+    C11, C12, C33 = plane_stiffness_constants(nu)
     flat, steep = hy / hx / 4, hx / hy / 4
     return np.array(
         [C11 * flat, C11 * steep, C12 / 2, C33 * steep, C33 * flat, 1 / 3, C33 / 2], dtype=np.float32

@@ -7,12 +7,13 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from slmm.fem.mesh import plate_mesh
-from slmm.fem.plate_model import PlateModel, plane_stress_stiffness
+from slmm.fem.plate_model import PlateModel
 from slmm.fem.recovery import recovered_stress
+from slmm.mechanics.stress import plane_stiffness_matrix
 from slmm.scene import gallery
 
 E, NU = 3000.0, 0.3
-C = plane_stress_stiffness(E, NU)
+C = plane_stiffness_matrix(E, NU)
 
 
 def grid(nx, ny, jitter, seed=0):

@@ -5,12 +5,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from slmm import failure_indices
-from slmm.fem.plate_model import principal_stress
 from slmm.initiation.body_fitted import solve_body_fitted
 from slmm.initiation.by_dislocations import SAFETY, SINGULAR, TOO_SHORT
 from slmm.initiation.dislocations import Boundary, DislocationModel, Trial, answers_of_surroundings
 from slmm.initiation.full_fea import full_fea_curves
 from slmm.initiation.meta_model import polynomial_matrix
+from slmm.mechanics.stress import principal_stress
 from slmm.scene import gallery
 
 pytest.importorskip("netgen")

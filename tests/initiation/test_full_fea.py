@@ -6,10 +6,11 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from slmm.fem.mesh import plate_mesh
-from slmm.fem.plate_model import SlitModel, principal_stress
+from slmm.fem.plate_model import SlitModel
 from slmm.initiation.body_fitted import notch_stress, solve_body_fitted
 from slmm.initiation.full_fea import FullFEA, full_fea_curves, path_depths
 from slmm.mechanics.material import Material
+from slmm.mechanics.stress import principal_stress
 from slmm.part.outline import Outline
 from slmm.part.shapes import circle, ellipse
 

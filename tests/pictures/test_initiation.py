@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from slmm.fem.plate_model import principal_stress
 from slmm.initiation.failure import failure_indices
 from slmm.initiation.positions import find_positions
 from slmm.initiation.summary import as_json, by_criticality, index_with_error, method_used, verdict
+from slmm.mechanics.stress import principal_stress
 from slmm.pictures import stress_field
 from slmm.pictures.initiation import CORNER, SMOOTH, TIP, plot_initiation
 from slmm.pictures.stress_field import principal_stress_field, stress_in_view
