@@ -53,6 +53,9 @@ BEND_UNSEEN = 0.02
 STRAIGHT = 1e-5
 #: a point of the path keeps a distance from all boundaries of this share of its depth
 AWAY = 0.4
+#: longest crack over the distance to where a notch leaves the plate, from which on the body beside the mouth is a wedge
+#: whose answer polynomials do not follow; chosen: beside corners the distances above leave about as much
+FROM_END = 1.5
 #: a mirrored crack keeps a distance from the material of this share of its depth, and the hole's centre of its radius
 CLEARANCE = 0.5
 
@@ -208,6 +211,7 @@ class DislocationModel:
         self.boundaries = Boundary(model.coarse, condensed), Boundary(model.fine, condensed)
         self.body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
         shapely.prepare(self.body)
+        self.ends = _ends(self.body, scene.plate.width, scene.plate.height)
 
     def reference_radius(self, origin: np.ndarray, along: np.ndarray, curvature: float) -> float:
         """Radius of the hole that stands for the notch, mm; inf where a straight edge does better.
@@ -226,12 +230,13 @@ class DislocationModel:
         """Longest crack up to a_max, mm, that its surroundings allow.
 
         It is not too long for the radius, its mirror stays in the notch, and it keeps away from other boundaries, whose
-        answer would change within a part of its length.
+        answer would change within a part of its length, and from where the notch leaves the plate.
         """
         if np.isfinite(radius):
             a_max = min(a_max, LONGEST * radius)
         elif curvature != 0:
             a_max = min(a_max, LONGEST_BESIDE_EDGE / abs(curvature))
+        a_max = min(a_max, FROM_END * np.linalg.norm(self.ends - origin, axis=1).min(initial=np.inf))
         depths = a_max * np.linspace(0.05, 1.0, 20)
         away = shapely.distance(shapely.points(origin + depths[:, None] * along), self.body.boundary)
         near = np.flatnonzero(away < AWAY * depths)
@@ -301,6 +306,13 @@ class DislocationModel:
             G = [released(a, C, d, depths, trial.eta, traction, bend) for d, depths in samples]
             result.append((np.array(G), sigma))
         return result
+
+
+def _ends(body: shapely.Polygon, width: float, height: float) -> np.ndarray:
+    """Where notches leave a plate, (n, 2), mm: vertices on its edges that are none of its corners."""
+    vertices, size = np.unique(shapely.get_coordinates(body), axis=0), np.array([width, height])
+    on_side = np.minimum(np.abs(vertices), np.abs(vertices - size)) < 1e-9 * size
+    return vertices[on_side.any(axis=1) & ~on_side.all(axis=1)]
 
 
 def _one_degree_less(D: np.ndarray) -> np.ndarray:
