@@ -38,7 +38,7 @@ FRAME = 40
 class Edges:
     """What the edges in a picture need to become smooth outlines; lengths in pixels.
 
-    Measured on circles and lobed holes with mean radii of 8 to 150 pixels, see tests/contours/test_image.py.
+    Measured on circles and lobed holes with mean radii of 8 to 150 pixels, see tests/part/test_image.py.
     A blur moves the outline of a hole of radius r by blur^2/(2 r) towards its centre.
     """
 

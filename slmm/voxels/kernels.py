@@ -120,7 +120,7 @@ def residual_row(i, density, u, b, c, free, columns, out):
 
 @row_kernel
 def stencil_row(i, density, c, out):
-    """The 19 numbers per node of row i (see voxel_stencil) that these densities amount to."""
+    """The 19 numbers per node of row i (see stencil) that these densities amount to."""
     low, high = density[i - 1], density[i]
     P, M, one = c[8], c[9], c[10]  # sums of densities in the precision of the coefficients, as above
     out[:, 0] = 0

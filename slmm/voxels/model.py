@@ -1,7 +1,7 @@
 """The voxel model: a rectangular plate of bilinear elements whose stiffness varies from voxel to voxel.
 
 Paper A, section 2.2.2. Conjugate gradients in double precision, preconditioned by the multigrid cycle of
-voxel_multigrid in single precision; no matrix is ever assembled. A million voxels need about 110 bytes each.
+`slmm.voxels.multigrid` in single precision; no matrix is ever assembled. A million voxels need some 150 bytes each.
 """
 
 from __future__ import annotations
@@ -282,7 +282,7 @@ def _edge_forces(
 
 
 def _energy_coefficients(hx: float, hy: float, nu: float) -> NDArray[np.float32]:
-    """Coefficients of the strain energy in a voxel's sums and differences (voxel_kernels.energy)."""
+    """Coefficients of the strain energy in a voxel's sums and differences (kernels.energy)."""
     C11, C12, C33 = plane_stiffness_constants(nu)
     flat, steep = hy / hx / 4, hx / hy / 4
     return np.array(

@@ -34,7 +34,7 @@ NODES_PER_THREAD = (
 
 
 def padded_zeros(nx: int, ny: int, dtype: type = np.float32, leading: tuple[int, ...] = (2,)) -> NDArray:
-    """Zeros in the layout of voxel_kernels for nx by ny intervals."""
+    """Zeros in the layout of kernels for nx by ny intervals."""
     return np.zeros((*leading, ny + PADDING, nx + PADDING), dtype)
 
 
@@ -43,7 +43,7 @@ class Grid:
     """One coarse grid: its stencils, fields and how it hangs on the finer one."""
 
     stencil: Field  # (rows, 19, columns)
-    free: Field  # (2, rows), see voxel_kernels
+    free: Field  # (2, rows), see kernels
     columns: Field  # (columns,)
     weights_x: Field  # (2, columns of nodes + 1) interpolation from this grid to the finer one
     weights_y: Field
@@ -59,7 +59,7 @@ class Multigrid:
     Parameters
     ----------
     density : float32 array
-        Relative stiffness in the padded layout of voxel_kernels.
+        Relative stiffness in the padded layout of kernels.
     nx, ny : int
         Number of voxels.
     width, height : float
