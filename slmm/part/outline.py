@@ -8,31 +8,30 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline, PPoly
-from scipy.optimize import brentq
+from scipy.interpolate import PPoly
 from scipy.spatial import cKDTree
 
 from slmm.part.accuracy import Accuracy
+from slmm.part.outline_splines import (
+    checked_pieces,
+    chord_lengths,
+    enclosed_area,
+    equidistant,
+    number_of_pieces,
+    open_spline,
+    periodic_spline,
+    smoothed,
+    turned,
+    turns_at,
+)
 
 Array = NDArray[np.float64]
 
-MIN_PIECES, MAX_PIECES = 256, 4000
-#: largest angle (rad) by which the outline may turn within one piece; a circle's curvature is then good to
-#: 0.02^2/12 = 3e-5 and its position to 2e-9 radii
-TURN_PER_PIECE = 0.02
-#: beyond this angle even the finest spline does not follow the outline any more: it has a corner
-TURN_REFUSED = 0.4
 #: pieces that meet at less than this angle (rad) meet smoothly: over six decades of distance, the stress at so
 #: flat a corner (r to the power of -2/pi times the angle) rises by less than 1 %
 SMALLEST_TURN = 1e-3
-#: where stretches of other outlines touch, the point is known to about a millionth of them, and the angle to its root
-TOUCHING_TURN = 0.01
 #: arc lengths nearer to a corner than this share of the outline are the corner
 AT_CORNER = 1e-9
-#: Gauss points for the arc length of one piece
-GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
-#: Newton steps for a point at a given arc length, at most, and the share of a piece at which they end
-NEWTON_STEPS, REACHED = 6, 1e-15
 #: of so many samples next to a point, one lies by its nearest point, be it on the other side of a sharp corner
 NEIGHBOURS = 8
 
@@ -73,7 +72,7 @@ class Outline:
 
     breaks: Array
     coefficients: Array
-    corners: Array = field(default_factory=lambda: _read_only(np.empty(0)))
+    corners: Array = field(default_factory=lambda: read_only(np.empty(0)))
     accuracy: Accuracy | None = None
 
     @classmethod
@@ -105,20 +104,20 @@ class Outline:
             points = points[:-1]
         if len(points) < 8:
             raise ValueError(f"an outline needs at least 8 points, not {len(points)}")
-        if _enclosed_area(points) < 0:
+        if enclosed_area(points) < 0:
             points = np.roll(points[::-1], 1, axis=0)  # the first point stays the first
 
-        spline = _periodic_spline(_chord_lengths(points), points)
+        spline = periodic_spline(chord_lengths(points), points)
         if smoothing > 0 or wavelength > 0:
-            spline = _smoothed(spline, 2 * len(points), smoothing, wavelength)
+            spline = smoothed(spline, 2 * len(points), smoothing, wavelength)
 
-        pieces = _number_of_pieces(spline)
+        pieces = number_of_pieces(spline)
         # The first pass brings the parameter to the arc length of the spline through the given points, the
         # next ones to the arc length of the spline through the equidistant points itself.
         for _ in range(3):
-            s, samples = _equidistant(spline, pieces)
-            spline = _periodic_spline(s, samples)
-        return cls(_read_only(spline.x), _read_only(spline.c))
+            s, samples = equidistant(spline, pieces)
+            spline = periodic_spline(s, samples)
+        return cls(read_only(spline.x), read_only(spline.c))
 
     @classmethod
     def of_pieces(cls, pieces: Sequence[ArrayLike]) -> Outline:
@@ -139,67 +138,24 @@ class Outline:
             When a piece has another shape or no length, numbers are not finite, neighbours coincide, pieces do
             not meet, a piece has a corner inside, or the outline encloses nothing or turns back on itself.
         """
-        joined = _joined([np.array(piece, dtype=float) for piece in pieces])
-        if _enclosed_area(np.vstack([piece[:-1] for piece in joined])) < 0:
+        joined = checked_pieces([np.array(piece, dtype=float) for piece in pieces])
+        if enclosed_area(np.vstack([piece[:-1] for piece in joined])) < 0:
             joined = [piece[::-1] for piece in reversed(joined)]
-        splines = [_open_spline(piece) for piece in joined]
+        splines = [open_spline(piece) for piece in joined]
         starts = np.concatenate([[0.0], np.cumsum([spline.x[-1] for spline in splines])])
         breaks = np.concatenate(
             [*(start + spline.x[:-1] for start, spline in zip(starts, splines, strict=False)), starts[-1:]]
         )
         coefficients = np.concatenate([spline.c for spline in splines], axis=1)
         first = np.concatenate([[0], np.cumsum([len(spline.x) - 1 for spline in splines])[:-1]])
-        turns = _turns_at(breaks, coefficients, first)[1]
+        turns = turns_at(breaks, coefficients, first)[1]
         if (np.abs(turns) > np.pi - SMALLEST_TURN).any():
             x, y = coefficients[3, first[int(np.abs(turns).argmax())]]
             raise ValueError(
                 f"the outline turns back on itself at ({x:.6g}, {y:.6g}): a corner needs an opening"
             )
         corners = breaks[first[np.abs(turns) >= SMALLEST_TURN]]
-        return cls(_read_only(breaks), _read_only(coefficients), _read_only(corners))
-
-    @classmethod
-    def of_parts(cls, parts: Sequence[tuple[Outline, float, float]]) -> Outline:
-        """Outline of stretches of others, counter-clockwise, on their exact curves.
-
-        Parameters
-        ----------
-        parts : sequence of (Outline, float, float)
-            An outline and the arc lengths from which and up to which it is followed, mm. Each stretch ends where the
-            next one begins; what rounding leaves between them is made up for along the stretch. Two that meet at
-            less than 0.01 rad touch there, without a corner.
-        """
-        steps, coefficients, corners, first = [], [], [], []
-        reached, number = 0.0, 0
-        for k, (outline, start, end) in enumerate(parts):
-            following, beginning, _ = parts[(k + 1) % len(parts)]
-            missing = following.points(beginning) - outline.points(end)
-            own_steps, own = _cut(outline, start, end)
-            along = np.concatenate([[0.0], np.cumsum(own_steps)])
-            own[3] += missing * (along[:-1] / along[-1])[:, None]
-            own[2] += missing / along[-1]
-            inner = (outline.corners - start) % outline.length
-            nearest = AT_CORNER * outline.length
-            inner = np.sort(inner[(inner > nearest) & (inner < along[-1] - nearest)])
-            corners.append(along[np.abs(along[:, None] - inner).argmin(axis=0)] + reached)
-            first.append(number)
-            steps.append(own_steps)
-            coefficients.append(own)
-            reached, number = reached + along[-1], number + len(own_steps)
-        breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(steps))])
-        joined = np.concatenate(coefficients, axis=1)
-        turns = np.abs(_turns_at(breaks, joined, np.array(first))[1])
-        at = np.concatenate([*corners, breaks[np.array(first)[turns >= TOUCHING_TURN]]])
-        # sums in another order differ by rounding: each corner is one of the breaks
-        at = breaks[np.unique(np.abs(breaks[:-1, None] - at).argmin(axis=0))] if len(at) else at
-        known = [outline.accuracy for outline in dict.fromkeys(part[0] for part in parts)]
-        traced = [accuracy for accuracy in known if accuracy is not None]
-        return cls(
-            _read_only(breaks),
-            _read_only(joined),
-            _read_only(at),
-            Accuracy.of_all(traced) if traced else None,
-        )
+        return cls(read_only(breaks), read_only(coefficients), read_only(corners))
 
     def with_accuracy(self, accuracy: Accuracy) -> Outline:
         """The same outline, with what is open about it."""
@@ -224,7 +180,7 @@ class Outline:
 
     @cached_property
     def _corner_turns(self) -> tuple[Array, Array]:
-        return _turns_at(self.breaks, self.coefficients, np.searchsorted(self.breaks, self.corners))
+        return turns_at(self.breaks, self.coefficients, np.searchsorted(self.breaks, self.corners))
 
     @cached_property
     def _samples(self) -> tuple[Array, Array, Array, cKDTree]:
@@ -274,7 +230,7 @@ class Outline:
         corner = self.corner_at(s)
         if (at := corner >= 0).any():
             arriving, turns = self._corner_turns
-            t[at] = _turned(arriving, 0.5 * turns)[corner[at]]
+            t[at] = turned(arriving, 0.5 * turns)[corner[at]]
         return t
 
     def normals(self, s: ArrayLike) -> Array:
@@ -364,190 +320,8 @@ class Outline:
         return np.sort(np.interp(np.concatenate(steps) % 1.0, share, self.breaks))
 
 
-def _read_only(values: Array) -> Array:
+def read_only(values: Array) -> Array:
+    """An array that nobody changes any more."""
     values = np.ascontiguousarray(values)
     values.setflags(write=False)
     return values
-
-
-def _enclosed_area(points: Array) -> float:
-    """Area within the closed polygon, mm^2; positive when it runs counter-clockwise."""
-    x, y = (points - points.mean(axis=0)).T
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
-
-
-def _chord_lengths(points: Array) -> Array:
-    """Cumulated chord lengths (n + 1,), mm, once round."""
-    chords = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    if chords.min() <= 1e-12 * chords.sum():
-        k = int(chords.argmin())
-        raise ValueError(f"points {k} and {(k + 1) % len(points)} of the outline coincide")
-    return np.concatenate([[0.0], np.cumsum(chords)])
-
-
-def _joined(pieces: list[Array]) -> list[Array]:
-    """The pieces (n, 2) checked, each ending exactly where the next one begins."""
-    if not pieces:
-        raise ValueError("an outline needs at least one piece")
-    for k, piece in enumerate(pieces):
-        if piece.ndim != 2 or piece.shape[1] != 2 or len(piece) < 2:
-            raise ValueError(
-                f"piece {k} of the outline has shape {piece.shape}: (n, 2) with n >= 2 is needed"
-            )
-        if not np.isfinite(piece).all():
-            raise ValueError(f"piece {k} of the outline: its points must be finite numbers")
-    size = float(np.ptp(np.vstack(pieces), axis=0).max())
-    for k, piece in enumerate(pieces):
-        following = pieces[(k + 1) % len(pieces)]
-        if np.linalg.norm(piece[-1] - following[0]) > 1e-9 * size:
-            raise ValueError(
-                f"piece {k} of the outline ends at ({piece[-1, 0]:.6g}, {piece[-1, 1]:.6g}), but the next one begins"
-                f" at ({following[0, 0]:.6g}, {following[0, 1]:.6g}); they must meet"
-            )
-        piece[-1] = following[0]
-        chords = np.diff(piece, axis=0)
-        lengths = np.linalg.norm(chords, axis=1)
-        if lengths.min() <= 1e-12 * size:
-            i = int(lengths.argmin())
-            raise ValueError(f"points {i} and {i + 1} of piece {k} of the outline coincide")
-        turn = np.abs(_angles(chords[:-1], chords[1:]))
-        if turn.max(initial=0.0) > TURN_REFUSED:
-            x, y = piece[int(turn.argmax()) + 1]
-            raise ValueError(f"piece {k} of the outline has a corner at ({x:.6g}, {y:.6g}); let it end there")
-    points = np.vstack([piece[:-1] for piece in pieces])
-    if len(points) < 3 or abs(_enclosed_area(points)) <= 1e-12 * size**2:
-        raise ValueError("the pieces of the outline enclose no area")
-    return pieces
-
-
-def _open_spline(points: Array) -> PPoly:
-    """Curve through the points (n, 2) of one piece, over its arc length from 0; two points are a straight line."""
-    parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    if len(points) == 2:
-        direction = (points[1] - points[0]) / parameter[1]
-        return PPoly(np.array([[0 * direction], [0 * direction], [direction], [points[0]]]), parameter)
-    for _ in range(3):  # from the chord lengths to the arc lengths
-        spline = CubicSpline(parameter, points)
-        parameter = np.concatenate([[0.0], np.cumsum(_lengths(spline))])
-    return spline
-
-
-def _cut(outline: Outline, start: float, end: float) -> tuple[Array, Array]:
-    """Steps (m,) and coefficients (4, m, 2) of an outline from one arc length on to another."""
-    length = outline.length
-    extent = (end - start) % length or length
-    inner = np.sort((outline.breaks[:-1] - start) % length)
-    inner = inner[(inner > AT_CORNER * length) & (inner < extent - AT_CORNER * length)]
-    offsets = np.concatenate([[0.0], inner])
-    # the middle of a stretch tells its piece, whatever rounding does at its ends
-    steps = np.diff(np.append(offsets, extent))
-    middle = (start + offsets + 0.5 * steps) % length
-    piece = np.clip(np.searchsorted(outline.breaks, middle, side="right") - 1, 0, len(outline.breaks) - 2)
-    t = (middle - 0.5 * steps - outline.breaks[piece])[:, None]
-    a, b, c, d = outline.coefficients[:, piece]
-    return steps, np.array([a, 3 * a * t + b, (3 * a * t + 2 * b) * t + c, ((a * t + b) * t + c) * t + d])
-
-
-def _turns_at(breaks: Array, coefficients: Array, index: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Unit tangents (k, 2) with which the curve arrives at some breaks, and the angles (k,) it turns by there."""
-    before = (index - 1) % (len(breaks) - 1)
-    h = np.diff(breaks)[before, None]
-    c = coefficients[:, before]
-    arriving = (3 * c[0] * h + 2 * c[1]) * h + c[2]
-    return arriving / np.linalg.norm(arriving, axis=1, keepdims=True), _angles(
-        arriving, coefficients[2, index]
-    )
-
-
-def _angles(one: Array, other: Array) -> Array:
-    """Angles (n,) from one set of vectors (n, 2) to another, -pi to pi, counter-clockwise positive."""
-    cross = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-    return np.arctan2(cross, (one * other).sum(axis=1))
-
-
-def _turned(vectors: Array, angles: Array) -> Array:
-    """Vectors (n, 2) turned counter-clockwise by angles (n,)."""
-    (x, y), c, s = vectors.T, np.cos(angles), np.sin(angles)
-    return np.column_stack([c * x - s * y, s * x + c * y])
-
-
-def _periodic_spline(parameter: Array, points: Array) -> CubicSpline:
-    return CubicSpline(parameter, np.vstack([points, points[:1]]), bc_type="periodic")
-
-
-def _speed(spline: CubicSpline, u: Array) -> Array:
-    x, y = np.moveaxis(spline(u, 1), -1, 0)
-    return np.hypot(x, y)
-
-
-def _lengths(spline: CubicSpline) -> Array:
-    """Arc lengths (m,) of the spline between its breaks."""
-    u, h = spline.x, np.diff(spline.x)
-    at = u[:-1, None] + 0.5 * h[:, None] * (GAUSS_POINTS + 1)
-    return 0.5 * h * (_speed(spline, at) @ GAUSS_WEIGHTS)
-
-
-def _equidistant(spline: CubicSpline, n: int) -> tuple[Array, Array]:
-    """Arc lengths (n + 1,) and points (n, 2) of the spline, evenly spaced in arc length."""
-    u, h = spline.x, np.diff(spline.x)
-    lengths = _lengths(spline)
-    arc = np.concatenate([[0.0], np.cumsum(lengths)])
-    s = np.linspace(0.0, arc[-1], n + 1)
-    piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(h) - 1)
-    part = (s[:-1] - arc[piece]) / lengths[piece]
-    for _ in range(
-        NEWTON_STEPS
-    ):  # for the parameter at which the arc length from the break is the wanted one
-        at = u[piece, None] + 0.5 * (h[piece] * part)[:, None] * (GAUSS_POINTS + 1)
-        reached = 0.5 * h[piece] * part * (_speed(spline, at) @ GAUSS_WEIGHTS)
-        step = (s[:-1] - arc[piece] - reached) / (h[piece] * _speed(spline, u[piece] + h[piece] * part))
-        part = np.clip(part + step, 0.0, 1.0)
-        if np.abs(step).max() < REACHED:
-            break
-    return s, spline(u[piece] + h[piece] * part)
-
-
-def _number_of_pieces(spline: CubicSpline) -> int:
-    """As many pieces as the sharpest bend needs."""
-    s, points = _equidistant(spline, MAX_PIECES)
-    step = s[1]
-    # the angle between neighbouring chords: unlike the second derivative, it forgives tiny kinks
-    chords = np.roll(points, -1, axis=0) - points
-    direction = chords[:, 0] + 1j * chords[:, 1]
-    turn = np.abs(np.angle(np.roll(direction, -1) / direction))
-    sharpest = int(turn.argmax())
-    if turn[sharpest] > TURN_REFUSED:
-        x, y = points[(sharpest + 1) % MAX_PIECES]
-        radius, allowed = step / turn[sharpest], step / TURN_REFUSED
-        raise ValueError(
-            f"the outline has a corner at ({x:.6g}, {y:.6g}): its radius of {radius:.3g} mm is too sharp"
-            f" for a curvature; round it, with {allowed:.3g} mm or more"
-        )
-    return int(np.clip(np.ceil(MAX_PIECES * turn[sharpest] / TURN_PER_PIECE), MIN_PIECES, MAX_PIECES))
-
-
-def _smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -> CubicSpline:
-    """Spline without the undulations that are noise, see `Outline.through`.
-
-    On points evenly spaced in arc length, the penalty on the third derivative of a smoothing spline is the
-    filter 1/(1 + (k/k_c)^6) on the k-th harmonic. Harmonics 0 and 1, ie. position and mean radius, are kept:
-    smoothing then neither moves nor shrinks a circle.
-    """
-    arc_lengths, points = _equidistant(spline, n)
-    harmonics = np.fft.fft(points[:, 0] + 1j * points[:, 1])
-    k = np.abs(np.fft.fftfreq(n, 1.0 / n))
-
-    def removed(log_k_c: float) -> NDArray[np.complex128]:
-        ratio = (k / np.exp(log_k_c)) ** 6
-        return harmonics * np.where(k <= 1, 0.0, ratio / (1 + ratio))
-
-    def excess(log_k_c: float) -> float:
-        return float(np.linalg.norm(removed(log_k_c))) / n - deviation  # Parseval
-
-    least, most = np.log(0.1), np.log(10.0 * n)
-    log_k_c = np.log(arc_lengths[-1] / wavelength) if wavelength > 0 else most
-    if deviation > 0 and excess(log_k_c) < 0:
-        log_k_c = brentq(excess, least, log_k_c, xtol=1e-6) if excess(least) > 0 else least
-    smooth = np.fft.ifft(harmonics - removed(log_k_c))
-    points = np.column_stack([smooth.real, smooth.imag])
-    return _periodic_spline(_chord_lengths(points), points)

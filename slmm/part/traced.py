@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from slmm.part.accuracy import Accuracy
 from slmm.part.arcs import with_arcs
 from slmm.part.flanks import STEP, Flank, Noise, evenly_spaced, flank_at_end
-from slmm.part.outline import MAX_PIECES, Outline
+from slmm.part.outline import Outline
+from slmm.part.outline_splines import MAX_PIECES
 from slmm.part.smoothing import curvatures, smoothed, wavelengths
 from slmm.part.stretches import (
     SECOND,

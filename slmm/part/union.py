@@ -8,12 +8,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from slmm.part.outline import Outline
+from slmm.part.accuracy import Accuracy
+from slmm.part.outline import AT_CORNER, Outline, read_only
+from slmm.part.outline_splines import turns_at
 
 Array = NDArray[np.float64]
 
 #: outlines that cross at less than this angle (rad) touch: where, is better told by a corner of one of them
 TOUCHING = 0.02
+#: where stretches of other outlines touch, the point is known to about a millionth of them, and the angle to its root
+TOUCHING_TURN = 0.01
 
 
 def united(
@@ -98,7 +102,7 @@ def _union(
         _joint(outlines[one], outlines[other], ring[start], tolerance)
         for (one, _), (other, start) in zip([runs[-1], *runs[:-1]], runs, strict=True)
     ]
-    return Outline.of_parts(
+    return of_stretches(
         [
             (outlines[number], joint[1], following[0])
             for (number, _), joint, following in zip(runs, joints, [*joints[1:], joints[0]], strict=True)
@@ -154,3 +158,62 @@ def _joint(one: Outline, other: Outline, near: Array, tolerance: float) -> tuple
             break
         s = [s[0] + float(step[0]), s[1] + float(step[1])]
     return best[0] % one.length, best[1] % other.length
+
+
+def of_stretches(parts: Sequence[tuple[Outline, float, float]]) -> Outline:
+    """Outline of stretches of others, counter-clockwise, on their exact curves.
+
+    Parameters
+    ----------
+    parts : sequence of (Outline, float, float)
+        An outline and the arc lengths from which and up to which it is followed, mm. Each stretch ends where the
+        next one begins; what rounding leaves between them is made up for along the stretch. Two that meet at
+        less than 0.01 rad touch there, without a corner.
+    """
+    steps, coefficients, corners, first = [], [], [], []
+    reached, number = 0.0, 0
+    for k, (outline, start, end) in enumerate(parts):
+        following, beginning, _ = parts[(k + 1) % len(parts)]
+        missing = following.points(beginning) - outline.points(end)
+        own_steps, own = _cut(outline, start, end)
+        along = np.concatenate([[0.0], np.cumsum(own_steps)])
+        own[3] += missing * (along[:-1] / along[-1])[:, None]
+        own[2] += missing / along[-1]
+        inner = (outline.corners - start) % outline.length
+        nearest = AT_CORNER * outline.length
+        inner = np.sort(inner[(inner > nearest) & (inner < along[-1] - nearest)])
+        corners.append(along[np.abs(along[:, None] - inner).argmin(axis=0)] + reached)
+        first.append(number)
+        steps.append(own_steps)
+        coefficients.append(own)
+        reached, number = reached + along[-1], number + len(own_steps)
+    breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(steps))])
+    joined = np.concatenate(coefficients, axis=1)
+    turns = np.abs(turns_at(breaks, joined, np.array(first))[1])
+    at = np.concatenate([*corners, breaks[np.array(first)[turns >= TOUCHING_TURN]]])
+    # sums in another order differ by rounding: each corner is one of the breaks
+    at = breaks[np.unique(np.abs(breaks[:-1, None] - at).argmin(axis=0))] if len(at) else at
+    known = [outline.accuracy for outline in dict.fromkeys(part[0] for part in parts)]
+    traced = [accuracy for accuracy in known if accuracy is not None]
+    return Outline(
+        read_only(breaks),
+        read_only(joined),
+        read_only(at),
+        Accuracy.of_all(traced) if traced else None,
+    )
+
+
+def _cut(outline: Outline, start: float, end: float) -> tuple[Array, Array]:
+    """Steps (m,) and coefficients (4, m, 2) of an outline from one arc length on to another."""
+    length = outline.length
+    extent = (end - start) % length or length
+    inner = np.sort((outline.breaks[:-1] - start) % length)
+    inner = inner[(inner > AT_CORNER * length) & (inner < extent - AT_CORNER * length)]
+    offsets = np.concatenate([[0.0], inner])
+    # the middle of a stretch tells its piece, whatever rounding does at its ends
+    steps = np.diff(np.append(offsets, extent))
+    middle = (start + offsets + 0.5 * steps) % length
+    piece = np.clip(np.searchsorted(outline.breaks, middle, side="right") - 1, 0, len(outline.breaks) - 2)
+    t = (middle - 0.5 * steps - outline.breaks[piece])[:, None]
+    a, b, c, d = outline.coefficients[:, piece]
+    return steps, np.array([a, 3 * a * t + b, (3 * a * t + 2 * b) * t + c, ((a * t + b) * t + c) * t + d])

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slmm.part import shapes
-from slmm.part.outline import MAX_PIECES, Outline
+from slmm.part.outline import Outline
+from slmm.part.outline_splines import MAX_PIECES
 from slmm.scene.gallery import lobes
 
 LOBED = np.array(lobes((3.0, -2.0), 19.0))

@@ -1,0 +1,189 @@
+"""Cubic curves over their arc length: through the points of a closed outline, or of one of its pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, PPoly
+from scipy.optimize import brentq
+
+Array = NDArray[np.float64]
+
+MIN_PIECES, MAX_PIECES = 256, 4000
+#: largest angle (rad) by which the outline may turn within one piece; a circle's curvature is then good to
+#: 0.02^2/12 = 3e-5 and its position to 2e-9 radii
+TURN_PER_PIECE = 0.02
+#: beyond this angle even the finest spline does not follow the outline any more: it has a corner
+TURN_REFUSED = 0.4
+#: Gauss points for the arc length of one piece
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+#: Newton steps for a point at a given arc length, at most, and the share of a piece at which they end
+NEWTON_STEPS, REACHED = 6, 1e-15
+
+
+def enclosed_area(points: Array) -> float:
+    """Area within the closed polygon, mm^2; positive when it runs counter-clockwise."""
+    x, y = (points - points.mean(axis=0)).T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def chord_lengths(points: Array) -> Array:
+    """Cumulated chord lengths (n + 1,), mm, once round."""
+    chords = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    if chords.min() <= 1e-12 * chords.sum():
+        k = int(chords.argmin())
+        raise ValueError(f"points {k} and {(k + 1) % len(points)} of the outline coincide")
+    return np.concatenate([[0.0], np.cumsum(chords)])
+
+
+def checked_pieces(pieces: list[Array]) -> list[Array]:
+    """The pieces (n, 2) checked, each ending exactly where the next one begins."""
+    if not pieces:
+        raise ValueError("an outline needs at least one piece")
+    for k, piece in enumerate(pieces):
+        if piece.ndim != 2 or piece.shape[1] != 2 or len(piece) < 2:
+            raise ValueError(
+                f"piece {k} of the outline has shape {piece.shape}: (n, 2) with n >= 2 is needed"
+            )
+        if not np.isfinite(piece).all():
+            raise ValueError(f"piece {k} of the outline: its points must be finite numbers")
+    size = float(np.ptp(np.vstack(pieces), axis=0).max())
+    for k, piece in enumerate(pieces):
+        following = pieces[(k + 1) % len(pieces)]
+        if np.linalg.norm(piece[-1] - following[0]) > 1e-9 * size:
+            raise ValueError(
+                f"piece {k} of the outline ends at ({piece[-1, 0]:.6g}, {piece[-1, 1]:.6g}), but the next one begins"
+                f" at ({following[0, 0]:.6g}, {following[0, 1]:.6g}); they must meet"
+            )
+        piece[-1] = following[0]
+        chords = np.diff(piece, axis=0)
+        lengths = np.linalg.norm(chords, axis=1)
+        if lengths.min() <= 1e-12 * size:
+            i = int(lengths.argmin())
+            raise ValueError(f"points {i} and {i + 1} of piece {k} of the outline coincide")
+        turn = np.abs(angles(chords[:-1], chords[1:]))
+        if turn.max(initial=0.0) > TURN_REFUSED:
+            x, y = piece[int(turn.argmax()) + 1]
+            raise ValueError(f"piece {k} of the outline has a corner at ({x:.6g}, {y:.6g}); let it end there")
+    points = np.vstack([piece[:-1] for piece in pieces])
+    if len(points) < 3 or abs(enclosed_area(points)) <= 1e-12 * size**2:
+        raise ValueError("the pieces of the outline enclose no area")
+    return pieces
+
+
+def open_spline(points: Array) -> PPoly:
+    """Curve through the points (n, 2) of one piece, over its arc length from 0; two points are a straight line."""
+    parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    if len(points) == 2:
+        direction = (points[1] - points[0]) / parameter[1]
+        return PPoly(np.array([[0 * direction], [0 * direction], [direction], [points[0]]]), parameter)
+    for _ in range(3):  # from the chord lengths to the arc lengths
+        spline = CubicSpline(parameter, points)
+        parameter = np.concatenate([[0.0], np.cumsum(_lengths(spline))])
+    return spline
+
+
+def turns_at(breaks: Array, coefficients: Array, index: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Unit tangents (k, 2) with which the curve arrives at some breaks, and the angles (k,) it turns by there."""
+    before = (index - 1) % (len(breaks) - 1)
+    h = np.diff(breaks)[before, None]
+    c = coefficients[:, before]
+    arriving = (3 * c[0] * h + 2 * c[1]) * h + c[2]
+    return arriving / np.linalg.norm(arriving, axis=1, keepdims=True), angles(
+        arriving, coefficients[2, index]
+    )
+
+
+def angles(one: Array, other: Array) -> Array:
+    """Angles (n,) from one set of vectors (n, 2) to another, -pi to pi, counter-clockwise positive."""
+    cross = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    return np.arctan2(cross, (one * other).sum(axis=1))
+
+
+def turned(vectors: Array, angles: Array) -> Array:
+    """Vectors (n, 2) turned counter-clockwise by angles (n,)."""
+    (x, y), c, s = vectors.T, np.cos(angles), np.sin(angles)
+    return np.column_stack([c * x - s * y, s * x + c * y])
+
+
+def periodic_spline(parameter: Array, points: Array) -> CubicSpline:
+    """Closed curve through points (n, 2) at parameters (n + 1,)."""
+    return CubicSpline(parameter, np.vstack([points, points[:1]]), bc_type="periodic")
+
+
+def _speed(spline: CubicSpline, u: Array) -> Array:
+    x, y = np.moveaxis(spline(u, 1), -1, 0)
+    return np.hypot(x, y)
+
+
+def _lengths(spline: CubicSpline) -> Array:
+    """Arc lengths (m,) of the spline between its breaks."""
+    u, h = spline.x, np.diff(spline.x)
+    at = u[:-1, None] + 0.5 * h[:, None] * (GAUSS_POINTS + 1)
+    return 0.5 * h * (_speed(spline, at) @ GAUSS_WEIGHTS)
+
+
+def equidistant(spline: CubicSpline, n: int) -> tuple[Array, Array]:
+    """Arc lengths (n + 1,) and points (n, 2) of the spline, evenly spaced in arc length."""
+    u, h = spline.x, np.diff(spline.x)
+    lengths = _lengths(spline)
+    arc = np.concatenate([[0.0], np.cumsum(lengths)])
+    s = np.linspace(0.0, arc[-1], n + 1)
+    piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(h) - 1)
+    part = (s[:-1] - arc[piece]) / lengths[piece]
+    for _ in range(
+        NEWTON_STEPS
+    ):  # for the parameter at which the arc length from the break is the wanted one
+        at = u[piece, None] + 0.5 * (h[piece] * part)[:, None] * (GAUSS_POINTS + 1)
+        reached = 0.5 * h[piece] * part * (_speed(spline, at) @ GAUSS_WEIGHTS)
+        step = (s[:-1] - arc[piece] - reached) / (h[piece] * _speed(spline, u[piece] + h[piece] * part))
+        part = np.clip(part + step, 0.0, 1.0)
+        if np.abs(step).max() < REACHED:
+            break
+    return s, spline(u[piece] + h[piece] * part)
+
+
+def number_of_pieces(spline: CubicSpline) -> int:
+    """As many pieces as the sharpest bend needs."""
+    s, points = equidistant(spline, MAX_PIECES)
+    step = s[1]
+    # the angle between neighbouring chords: unlike the second derivative, it forgives tiny kinks
+    chords = np.roll(points, -1, axis=0) - points
+    direction = chords[:, 0] + 1j * chords[:, 1]
+    turn = np.abs(np.angle(np.roll(direction, -1) / direction))
+    sharpest = int(turn.argmax())
+    if turn[sharpest] > TURN_REFUSED:
+        x, y = points[(sharpest + 1) % MAX_PIECES]
+        radius, allowed = step / turn[sharpest], step / TURN_REFUSED
+        raise ValueError(
+            f"the outline has a corner at ({x:.6g}, {y:.6g}): its radius of {radius:.3g} mm is too sharp"
+            f" for a curvature; round it, with {allowed:.3g} mm or more"
+        )
+    return int(np.clip(np.ceil(MAX_PIECES * turn[sharpest] / TURN_PER_PIECE), MIN_PIECES, MAX_PIECES))
+
+
+def smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -> CubicSpline:
+    """Spline without the undulations that are noise, see `Outline.through`.
+
+    On points evenly spaced in arc length, the penalty on the third derivative of a smoothing spline is the
+    filter 1/(1 + (k/k_c)^6) on the k-th harmonic. Harmonics 0 and 1, ie. position and mean radius, are kept:
+    smoothing then neither moves nor shrinks a circle.
+    """
+    arc_lengths, points = equidistant(spline, n)
+    harmonics = np.fft.fft(points[:, 0] + 1j * points[:, 1])
+    k = np.abs(np.fft.fftfreq(n, 1.0 / n))
+
+    def removed(log_k_c: float) -> NDArray[np.complex128]:
+        ratio = (k / np.exp(log_k_c)) ** 6
+        return harmonics * np.where(k <= 1, 0.0, ratio / (1 + ratio))
+
+    def excess(log_k_c: float) -> float:
+        return float(np.linalg.norm(removed(log_k_c))) / n - deviation  # Parseval
+
+    least, most = np.log(0.1), np.log(10.0 * n)
+    log_k_c = np.log(arc_lengths[-1] / wavelength) if wavelength > 0 else most
+    if deviation > 0 and excess(log_k_c) < 0:
+        log_k_c = brentq(excess, least, log_k_c, xtol=1e-6) if excess(least) > 0 else least
+    smooth = np.fft.ifft(harmonics - removed(log_k_c))
+    points = np.column_stack([smooth.real, smooth.imag])
+    return periodic_spline(chord_lengths(points), points)
