@@ -7,6 +7,7 @@ import numpy as np
 
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.slit import open_slits
+from slmm.part.part import Part
 
 SIDE, HALF, ANGLE = 60.0, 10.0, np.radians(35.0)
 PULL = 0.03  # mm, at the top and at the bottom
@@ -16,7 +17,7 @@ def main() -> None:
     """Write both files next to this script."""
     half = HALF * np.array([np.cos(ANGLE), np.sin(ANGLE)])
     crack = np.array([SIDE / 2 - half, SIDE / 2 + half])
-    mesh = open_slits(plate_mesh(SIDE, SIDE, (), size_max=8.0, cracks=[crack])).mesh
+    mesh = open_slits(plate_mesh(Part.plate(SIDE, SIDE, cracks=[crack]), size_max=8.0)).mesh
     points = mesh.doflocs.T
     triangles = np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]).T
     a, b, c = points[triangles[:, :3]].swapaxes(0, 1)

@@ -126,6 +126,13 @@ def test_table_3_sampling_points_matter_little_and_crack_lengths_and_modes_matte
     assert of(checks, "l_el,full", "G_inc")[0].ours < 1e-3
 
 
+def test_two_ended_cracks_have_published_intensities_and_severed_parts_say_so():
+    pytest.importorskip("netgen")
+    checks = script("two_ended_cracks").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+    assert len(of(checks, "star of three cracks")) == 4
+
+
 @pytest.mark.slow
 def test_run_times_one_factorisation_gives_the_energies_of_one_solve_per_length():
     checks = script("run_times").main(quick=True)

@@ -11,7 +11,6 @@ along it. Writes validation/results/crack_tips.csv and crack_tips.png, 20 second
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import matplotlib
@@ -31,7 +30,9 @@ from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import ElementResults, linear_elastic
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
+from slmm.part.part import Part
 from slmm.part.shapes import circle
+from slmm.scene.loading import plate_loading
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -189,18 +190,9 @@ def plate(
     width: float, height: float, crack: np.ndarray, outlines: tuple[Outline, ...] = (), **load: Any
 ) -> ElementResults:
     """A plate of PMMA with one crack (n, 2) or more (k, n, 2), under uniform tension 1 MPa or as ``load`` says."""
-    scene = SimpleNamespace(
-        plate=SimpleNamespace(width=width, height=height, thickness=1.0),
-        outlines=outlines,
-        cracks=(),
-        material=PMMA,
-        load=SimpleNamespace(
-            **({"strain": None, "displacement": None, "stress": None} | (load or {"stress": 1.0}))
-        ),
-    )
-    return PlateModel(
-        plate_mesh(width, height, outlines, cracks=crack if crack.ndim == 3 else [crack]), scene
-    ).results
+    part = Part.plate(width, height, outlines, crack if crack.ndim == 3 else [crack])
+    loading = plate_loading(width, height, **(load or {"stress": 1.0}))
+    return PlateModel(plate_mesh(part), PMMA, loading).results
 
 
 def compared(case: str, tip: xr.Dataset, unit: float, wanted: tuple[float, ...], source: str) -> list[Check]:

@@ -10,7 +10,6 @@ Writes validation/results/full_fea.csv and full_fea.png, about a minute; ``--qui
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -19,16 +18,16 @@ import matplotlib
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 from scipy.interpolate import CubicSpline
-from skfem import MeshTri2
 
-from slmm.fem.loads import NodalLoad, plate_load
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel
 from slmm.initiation.body_fitted import notch_stress, solve_body_fitted
 from slmm.initiation.full_fea import FullFEA, full_fea_curves, path_depths
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
+from slmm.part.part import Part
 from slmm.part.shapes import circle
+from slmm.scene.loading import Affine, Condition, Loading, plate_edges, plate_loading
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -39,28 +38,22 @@ EDGE_CRACK = 1.12152226
 HIGH_ORDER = "p-version FE, 1e-4"
 
 
-def plate(width: float, height: float, outlines: tuple[Outline, ...] = (), **load: Any) -> SimpleNamespace:
-    """What the model needs of a scene; plates cut along a plane of symmetry are no scenes."""
+def plate(
+    width: float, height: float, outlines: tuple[Outline, ...] = (), half: bool = False, **load: Any
+) -> SimpleNamespace:
+    """What the model needs of a scene; a half plate, whose left edge is a plane of symmetry, is none."""
+    loading = plate_loading(width, height, **load)
+    if half:
+        *_, left = plate_edges(width, height)
+        # first, so that it has the support against moving along it
+        loading = Loading((Condition(*left, (Affine(), None)), *loading))
     return SimpleNamespace(
         plate=SimpleNamespace(width=width, height=height, thickness=1.0),
         outlines=outlines,
-        cracks=(),
+        part=Part.plate(width, height, outlines),
         material=PMMA,
-        load=SimpleNamespace(**({"strain": None, "displacement": None, "stress": None} | load)),
+        loading=loading,
     )
-
-
-def half_plate(mesh: MeshTri2, points: np.ndarray, scene: Any) -> NodalLoad:
-    """Pulled at top and bottom, the left edge a plane of symmetry."""
-    # the forces of a half plate balance but for the moment that the plane takes
-    pulled = SimpleNamespace(plate=scene.plate, load=scene.load)
-    load = plate_load(mesh, points, pulled)
-    on_plane = np.abs(points[:, 0]) < 1e-9 * scene.plate.width
-    prescribed, supports = np.zeros_like(load.prescribed), np.zeros_like(load.supports)
-    prescribed[on_plane, 0] = True
-    low = int(np.flatnonzero(on_plane)[np.argmin(points[on_plane, 1])])
-    prescribed[low, 1] = supports[low, 1] = True
-    return replace(load, prescribed=prescribed, value=np.zeros_like(load.value), supports=supports)
 
 
 def stress_intensity(curves: FullFEA, a: np.ndarray) -> np.ndarray:
@@ -88,16 +81,14 @@ def compared(
 def energies_in_closed_form() -> tuple[list[Check], dict[str, tuple[np.ndarray, np.ndarray]]]:
     """G_inc of every length in plates that are wide beside the crack, sigma = 1 MPa."""
     checks, drawn = [], {}
-    for case, width, F, loading, source in (
-        ("centre crack in a wide plate", 50.0, 1.0, half_plate, "Griffith, exact"),
-        ("edge crack in a wide plate", 500.0, EDGE_CRACK, plate_load, "Koiter, exact"),
+    for case, width, F, half, source in (
+        ("centre crack in a wide plate", 50.0, 1.0, True, "Griffith, exact"),
+        ("edge crack in a wide plate", 500.0, EDGE_CRACK, False, "Koiter, exact"),
     ):
-        scene = plate(width, 2 * width, stress=1.0)
-        curves = full_fea_curves(
-            scene, start=(0, width), direction=(1, 0), a_max=1.0, n_lengths=25, loading=loading
-        )
+        scene = plate(width, 2 * width, half=half, stress=1.0)
+        curves = full_fea_curves(scene, start=(0, width), direction=(1, 0), a_max=1.0, n_lengths=25)
         # of Tada's formula for a finite width only the first term matters here
-        wide = 1 / np.cos(np.pi * curves.a / (2 * width)) if loading is half_plate else 1.0
+        wide = 1 / np.cos(np.pi * curves.a / (2 * width)) if half else 1.0
         exact = np.pi * F**2 * curves.a / (2 * PMMA.E) * wide
         deviation = np.abs(curves.G_inc / exact - 1)
         checks.append(
@@ -131,13 +122,12 @@ def strips() -> list[Check]:
     K = stress_intensity(curves, np.array([37.5]))[0]
     checks.append(Check("Code_Aster SSLP101", "K_I, MPa sqrt(mm)", 21.44, K, 5e-3, source="Tada, 0.5 %"))
     curves = full_fea_curves(
-        plate(W, 6 * W, stress=1.0),
+        plate(W, 6 * W, half=True, stress=1.0),
         start=(0, 3 * W),
         direction=(1, 0),
         a_min=0.2,
         a_max=8.4,
         n_lengths=60,
-        loading=half_plate,
     )
     share = np.linspace(0.1, 0.8, 8)
     F = stress_intensity(curves, share * W) / np.sqrt(np.pi * share * W)
@@ -164,10 +154,8 @@ def cracks_at_a_hole() -> list[Check]:
     surface = notch_stress(solve_body_fitted(whole), whole.outlines, n=72)[0]
     ours = surface.sigma_I.max()
     checks.append(Check("circular hole, surface", "largest sigma_I", 3.0, ours, 2e-3, source="Kirsch, exact"))
-    half = plate(W, 2 * W, (Outline.through(circle((0, W), R)),), stress=1.0)
-    curves = full_fea_curves(
-        half, start=(R, W), direction=(1, 0), a_max=2.4, a_min=0.05, n_lengths=30, loading=half_plate
-    )
+    half = plate(W, 2 * W, (Outline.through(circle((0, W), R)),), half=True, stress=1.0)
+    curves = full_fea_curves(half, start=(R, W), direction=(1, 0), a_max=2.4, a_min=0.05, n_lengths=30)
     L = np.array([0.1, 0.5, 1, 2])
     F = stress_intensity(curves, L * R) / np.sqrt(np.pi * L * R)
     case = "two cracks at a circular hole (Bowie)"
@@ -183,10 +171,10 @@ def convergence() -> tuple[list[Check], list[np.ndarray]]:
     part = plate(100.0, 100.0, (Outline.through(circle((50, 50), 20.0)),), strain=(0.0, 0.1, 0.0))
     a = np.geomspace(1.0, 10.0, 12)
     path = np.array([70.0, 50.0]) + path_depths(a)[:, None] * [1, 0]
-    mesh = plate_mesh(100.0, 100.0, part.outlines, path)
+    mesh = plate_mesh(part.part, path)
     W = []
     for level in range(4):
-        W.append(SlitModel(mesh, part).released_energy()[:: 2**level][-len(a) :])
+        W.append(SlitModel(mesh, part.material, part.loading).released_energy()[:: 2**level][-len(a) :])
         mesh = mesh.refined()
     once = [2 * fine - coarse for coarse, fine in pairwise(W)]
     checks, changes = [], []

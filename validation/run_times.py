@@ -105,7 +105,7 @@ class OneSolvePerLength(PlateModel):
     def __init__(self, mesh: PlateMesh, scene: Scene, tips: np.ndarray, factorise: Factorise) -> None:
         """Solve for cracks whose tips are the path's vertices ``tips`` (n,), and without one."""
         self._tips, self._factorise = tips, factorise
-        super().__init__(mesh, scene)
+        super().__init__(mesh, scene.material, scene.loading)
 
     def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
         closed = np.setdiff1d(np.flatnonzero(~self.load.prescribed.ravel()), jump)
@@ -142,7 +142,7 @@ class TrialPath:
         depth, plate = path_depths(self.a), self.scene.plate
         path = self.start + depth[:, None] * self.direction
         size = min(plate.width, plate.height) / 8
-        mesh = plate_mesh(plate.width, plate.height, self.scene.outlines, path, size, 0.25, [])
+        mesh = plate_mesh(self.scene.part, path, size, 0.25)
         tips = len(depth) - 1 - nodes_per_length(self.a) * np.arange(LENGTHS)[::-1]
         for level in range(levels):
             yield mesh, tips * 2**level
@@ -160,7 +160,7 @@ def hole(degrees: np.ndarray) -> Scene:
 
 
 def one_factorisation(mesh: PlateMesh, path: TrialPath, tips: np.ndarray) -> np.ndarray:
-    model = SlitModel(mesh, path.scene)
+    model = SlitModel(mesh, path.scene.material, path.scene.loading)
     path.stress(model)
     return model.released_energy()[tips]
 

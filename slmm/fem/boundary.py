@@ -1,4 +1,4 @@
-"""The closed curves around a plate with notches, cut into smooth pieces, and boundary nodes along them."""
+"""The closed curves around a part with notches, cut into smooth pieces, and boundary nodes along them."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from scipy.spatial import cKDTree
 
 from slmm.fem.element_size import ElementSize
 from slmm.part.outline import Outline
+from slmm.part.part import OUTLINE_SAMPLES
 
-#: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least
-OUTLINE_SAMPLES = 2000
 #: given steps of a line may be longer than the size wanted by this share, and than their neighbours by this factor: the
 #: mesher cuts steps half as long again
 SLACK, STEPS_APART = 0.4, 1.45
@@ -22,7 +21,7 @@ SLACK, STEPS_APART = 0.4, 1.45
 
 @dataclass(frozen=True)
 class Piece:
-    """A smooth stretch of the boundary: part of an outline, or (outline = -1) of an edge of the plate.
+    """A smooth stretch of the boundary: part of an outline, or (outline = -1) of the outer edge.
 
     Attributes
     ----------
@@ -63,25 +62,6 @@ class _Line:
         return (points - self.start) @ self.direction
 
 
-def plate_body(width: float, height: float, outlines: Sequence[Outline]) -> shapely.Polygon:
-    """The plate without its notches, as a polygon; each outline has at least OUTLINE_SAMPLES chords.
-
-    Raises
-    ------
-    ValueError
-        When the notches cut the plate in pieces or leave nothing of it.
-    """
-    plate = shapely.box(0.0, 0.0, width, height)
-    notches = [shapely.Polygon(outline.polygon(OUTLINE_SAMPLES)) for outline in outlines]
-    body = plate.difference(shapely.union_all(notches))
-    if body.geom_type != "Polygon" or body.is_empty:
-        raise ValueError(
-            f"plate {width!r} x {height!r} mm with {len(outlines)} notches leaves "
-            f"{len(getattr(body, 'geoms', []))} pieces: it must leave exactly one"
-        )
-    return body
-
-
 def boundary_pieces(
     body: shapely.Polygon, outlines: Sequence[Outline], mouths: np.ndarray
 ) -> list[list[Piece]]:
@@ -90,7 +70,7 @@ def boundary_pieces(
     Parameters
     ----------
     body : shapely.Polygon
-        From `plate_body`.
+        `slmm.part.part.Part.body`.
     outlines : sequence of Outline
         The true curves.
     mouths : ndarray (n, 2)
@@ -103,7 +83,7 @@ def boundary_pieces(
     for ring in (body.exterior, *body.interiors):
         points = np.array(ring.coords)[:-1]
         label = label_of((points + np.roll(points, -1, axis=0)) / 2)
-        # straight stretches end at every corner of the plate, curves where the label changes
+        # straight stretches end at every corner of the outer edge, curves where the label changes
         starts = np.flatnonzero((label != np.roll(label, 1)) | (label < 0))
         if not len(starts):
             rings.append([_whole_outline(int(label[0]), outlines[label[0]], mouths)])
@@ -131,7 +111,7 @@ def boundary_pieces(
 
 
 class _Labels:
-    """Which outline a point of the body's polygon lies on, -1 for the plate's edges."""
+    """Which outline a point of the body's polygon lies on, -1 for the outer edge."""
 
     def __init__(self, polygons: Sequence[np.ndarray], tolerance: float):
         self.polygons = polygons
@@ -144,7 +124,7 @@ class _Labels:
         label = np.full(len(points), -1)
         if self.tree is None:
             return label
-        # the middle of a whole chord is known; only chords that the plate's edge cuts have to be searched
+        # the middle of a whole chord is known; only chords that the outer edge cuts have to be searched
         distance, nearest = self.tree.query(points)
         whole = distance < self.tolerance
         label[whole] = self.owner[nearest[whole]]
@@ -168,7 +148,7 @@ def _crossing(point: np.ndarray, one: Outline | _Line, other: Outline | _Line) -
         if np.linalg.norm(on_one - point) < 1e-13 * (1 + np.abs(point).max()):
             break
         point = on_one
-    # exactly on the edge of the plate, so that loads find it there
+    # exactly on the outer edge, so that loads find it there
     return one.points(one.project(point[None]))[0]
 
 
@@ -202,7 +182,7 @@ def _stretch(
 
 
 def _straight(start: np.ndarray, end: np.ndarray, mouths: np.ndarray) -> Piece:
-    """A stretch of the plate's edge."""
+    """A stretch of the outer edge."""
     line = _Line(start, end)
     length = float(np.linalg.norm(end - start))
     along = line.project(mouths)
@@ -243,19 +223,8 @@ def spaced(piece: Piece, outlines: Sequence[Outline], size: ElementSize, slack: 
     return np.concatenate(nodes)
 
 
-def on_boundary(point: np.ndarray, body: shapely.Polygon, outlines: Sequence[Outline]) -> bool:
-    """Whether a point (2,) lies on the body's boundary, whose polygon is off the true curves of the outlines."""
-    if shapely.distance(shapely.points(point), body.boundary) < 1e-9 * body.length:
-        return True
-    nearest = [outline.points(outline.project(point[None]))[0] for outline in outlines]
-    return any(
-        np.linalg.norm(at - point) < 1e-5 * outline.length
-        for at, outline in zip(nearest, outlines, strict=True)
-    )
-
-
 def crack_nodes(crack: np.ndarray, size: ElementSize) -> np.ndarray:
-    """Nodes (k, 2) along a crack (n, 2), from its mouth to its tip, all its points among them."""
+    """Nodes (k, 2) along a crack (n, 2), all its points among them."""
     nodes = [crack[:1]]
     for a, b in pairwise(crack):
         length = float(np.linalg.norm(b - a))

@@ -1,15 +1,19 @@
-"""A scene's load as nodal forces and prescribed displacements of a body-fitted model."""
+"""A loading as nodal forces and prescribed displacements of a body-fitted model."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 from skfem import MeshTri2
 
 from slmm.scene.load_checks import UNBALANCED
+from slmm.scene.loading import Condition, Loading
+
+#: rigid motions whose displacements are as small, against the largest, are held; round-off
+HELD = 1e-9
 
 
 @dataclass(frozen=True)
@@ -25,65 +29,133 @@ class NodalLoad:
         Prescribed displacements, mm; 0 elsewhere.
     supports : ndarray of bool, shape (n, 2)
         Prescribed displacements that only fix the rigid motion: they carry no reaction.
+    adrift : ndarray of bool, shape (n,)
+        Nodes of pieces that nothing holds and the load carries away.
     """
 
     force: np.ndarray
     prescribed: np.ndarray
     value: np.ndarray
     supports: np.ndarray
+    adrift: np.ndarray
 
 
-#: makes the load of a model from its mesh, its nodes (n, 2) and a scene
-Loading = Callable[[MeshTri2, np.ndarray, Any], NodalLoad]
+def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.ndarray) -> NodalLoad:
+    """A loading on the nodes of a mesh.
 
-
-def plate_load(mesh: MeshTri2, points: np.ndarray, scene: Any) -> NodalLoad:
-    """Load of a scene's plate.
+    Each piece of a severed part is held by itself, where its displacements are not prescribed, if what acts on it
+    balances.
 
     Parameters
     ----------
+    loading : Loading
     mesh : skfem.MeshTri2
         Vertices first, then the middles of the facets.
     points : ndarray, shape (n, 2)
         Its nodes, mm.
-    scene : Scene
-        ``plate`` and ``load`` are used.
+    closed : ndarray, shape (k, 2)
+        Nodes on either face of a path that is held together.
 
     Raises
     ------
     ValueError
-        When a uniform stress on top and bottom does not balance.
+        When a part in one piece is free to move and its forces do not balance.
     """
-    plate, load = scene.plate, scene.load
-    x, y = points.T
-    near = 1e-9 * max(plate.width, plate.height)
-    bottom, top = np.abs(y) < near, np.abs(y - plate.height) < near
     force, value = np.zeros_like(points), np.zeros_like(points)
     prescribed, supports = np.zeros(points.shape, dtype=bool), np.zeros(points.shape, dtype=bool)
-    if load.strain is not None:
-        e_xx, e_yy, g_xy = load.strain
-        edge = bottom | top | (np.abs(x) < near) | (np.abs(x - plate.width) < near)
-        prescribed[edge] = True
-        value[edge] = np.column_stack([e_xx * x + g_xy * y / 2, g_xy * x / 2 + e_yy * y])[edge]
-    elif load.displacement is not None:
-        prescribed[bottom | top, 1] = True
-        value[top, 1] = load.displacement
-        supports[np.flatnonzero(bottom)[np.argmin(x[bottom])], 0] = True
-    else:
-        for edge, stress in ((bottom, -load.stress), (top, load.stress)):
-            force[:, 1] += edge_traction(mesh, points, edge, stress)
-        moment = np.array([force[:, 1].sum(), (x - plate.width / 2) @ force[:, 1] / plate.width])
+    for condition in loading:
+        on = condition.on(points)
+        for i, component in enumerate(condition.displacement):
+            if component is not None:
+                prescribed[on, i] = True
+                value[on, i] = component(points[on])
+            elif condition.traction[i]:
+                force[:, i] += edge_traction(mesh, points, on, condition.traction[i])
+    adrift = np.zeros(len(points), dtype=bool)
+    pieces = pieces_of(mesh, closed)
+    for nodes in pieces:
+        free = _free_motions(points[nodes], prescribed[nodes])
+        if not free.shape[1]:
+            continue
         # a scene lets through what its supports carry without a trace
-        if np.any(np.abs(moment) > 2 * UNBALANCED * np.abs(force).sum()):
-            raise ValueError(
-                f"load.stress = {load.stress!r}: notches leave different parts of the top and bottom edge, "
-                "so the forces do not balance; use load.displacement or load.strain"
-            )
-        rows = np.flatnonzero(bottom)
-        first, last = rows[np.argmin(x[rows])], rows[np.argmax(x[rows])]
-        supports[first] = True
-        supports[last, 1] = True
-    return NodalLoad(force, prescribed | supports, value, supports)
+        work = free.T @ force[nodes].ravel()
+        if np.any(np.abs(work) > 2 * UNBALANCED * np.abs(force[nodes]).sum()):
+            if len(pieces) == 1:
+                raise ValueError(
+                    "load: the part is free to move, and what acts on it does not balance: forces of "
+                    f"({force[:, 0].sum():.4g}, {force[:, 1].sum():.4g}) N for each mm of thickness are left, or a "
+                    "moment; prescribe displacements"
+                )
+            adrift[nodes] = True
+        for node, i in _supports(points, nodes, prescribed, _first_stretch(loading, points[nodes])):
+            supports[node, i] = True
+    return NodalLoad(force, prescribed | supports, value, supports, adrift)
+
+
+def pieces_of(mesh: MeshTri2, closed: np.ndarray) -> list[np.ndarray]:
+    """Nodes of each piece of a mesh, ascending; pairs of nodes (k, 2) hold what they belong to together."""
+    n = mesh.nvertices
+    ends = np.concatenate([mesh.t[[0, 1]], mesh.t[[1, 2]], closed[(closed < n).all(axis=1)].T], axis=1)
+    graph = sp.coo_array((np.ones(ends.shape[1]), ends), shape=(n, n))
+    count, piece = connected_components(graph, directed=False)
+    if count == 1:
+        return [np.arange(n + mesh.nfacets)]
+    of_node = np.concatenate([piece, piece[mesh.facets[0]]])
+    return [np.flatnonzero(of_node == k) for k in range(count)]
+
+
+def _rigid_motions(points: np.ndarray) -> np.ndarray:
+    """Displacements (n, 2, 3) by a motion along x, along y and a turn about the middle, at most about 1."""
+    middle = points.mean(axis=0)
+    reach = np.abs(points - middle).max()
+    motions = np.zeros((*points.shape, 3))
+    motions[:, 0, 0] = motions[:, 1, 1] = 1.0
+    motions[:, 0, 2], motions[:, 1, 2] = (
+        (middle[1] - points[:, 1]) / reach,
+        (points[:, 0] - middle[0]) / reach,
+    )
+    return motions
+
+
+def _free_motions(points: np.ndarray, prescribed: np.ndarray) -> np.ndarray:
+    """Rigid motions (2 n, k) that the prescribed displacements (n, 2) leave free."""
+    motions = _rigid_motions(points)
+    if not prescribed.any():
+        return motions.reshape(-1, 3)
+    held = motions[prescribed]
+    _, size, modes = np.linalg.svd(held.T @ held)
+    return motions.reshape(-1, 3) @ modes[size <= HELD * max(size[0], 1.0)].T
+
+
+def _first_stretch(loading: Loading, points: np.ndarray) -> Condition | None:
+    """The first condition that has two nodes of a piece at least."""
+    return next((condition for condition in loading if np.count_nonzero(condition.on(points)) > 1), None)
+
+
+def _supports(
+    points: np.ndarray, nodes: np.ndarray, prescribed: np.ndarray, stretch: Condition | None
+) -> list[tuple[int, int]]:
+    """Displacements (node, component) of a piece that fix what is free: at the ends of a stretch, or of the piece."""
+    if stretch is not None:
+        nodes_there = nodes[stretch.on(points[nodes])]
+        along = points[nodes_there] @ (np.array(stretch.end) - stretch.start)
+        first, last = nodes_there[along.argmin()], nodes_there[along.argmax()]
+    else:
+        order = np.lexsort(points[nodes].T)
+        first, last = nodes[order[0]], nodes[order[-1]]
+    across = int(np.abs(points[last] - points[first]).argmin())  # a turn moves the last node that way
+    fixed = prescribed[nodes].copy()
+    place = {int(node): k for k, node in enumerate(nodes)}
+    found = []
+    free = _free_motions(points[nodes], fixed).shape[1]
+    for node, i in ((first, 0), (first, 1), (last, across)):
+        more = fixed.copy()
+        more[place[int(node)], i] = True
+        left = _free_motions(points[nodes], more).shape[1]
+        if left < free:
+            fixed, free = more, left
+            found.append((int(node), i))
+    return found
 
 
 def edge_traction(mesh: MeshTri2, points: np.ndarray, on_edge: np.ndarray, traction: float) -> np.ndarray:

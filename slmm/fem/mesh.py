@@ -1,6 +1,6 @@
-"""Body-fitted triangles of a plate with notches and cracks, fine along a trial crack path, coarse far away.
+"""Body-fitted triangles of a part with notches and cracks, fine along a trial crack path, coarse far away.
 
-The outlines of the notches may lie inside the plate or cut its edges. Every boundary edge remembers the
+The outlines of the notches may lie inside the part or cut its outer edge. Every boundary edge remembers the
 outline it lies on and the arc lengths of its ends, so that quadratic triangles get their midside nodes on the
 true curve, and a refined mesh its new vertices. Cracks and the trial crack path are inner edges; slmm.fem.slit
 opens them.
@@ -20,13 +20,13 @@ from slmm.fem.boundary import (
     boundary_pieces,
     boundary_segments,
     crack_nodes,
-    on_boundary,
     path_nodes,
-    plate_body,
     spaced,
 )
 from slmm.fem.triangulation import MesherError, triangulated
+from slmm.part.crack import TIP, Crack, with_point
 from slmm.part.outline import Outline
+from slmm.part.part import Part
 
 #: meshes that are tried, and by how much more the body is turned (rad) for each: whether the mesher finds one is a
 #: matter of chance (chosen)
@@ -35,7 +35,7 @@ ATTEMPTS, TURN = 8, 0.8
 
 @dataclass(frozen=True)
 class PlateMesh:
-    """Triangles of a plate with notches, with the true curve behind every notch edge.
+    """Triangles of a part, with the true curve behind every notch edge.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class PlateMesh:
     path : ndarray, shape (k,)
         Vertices along the trial crack path, from its mouth inwards; empty without a path.
     cracks : tuple of ndarray, shape (k,)
-        Vertices along each crack, from its mouth to its tip.
+        Vertices along each crack, from its start to its end.
     edges : ndarray, shape (e, 2)
         Edges that lie on an outline, as vertex pairs.
     edge_outline : ndarray, shape (e,)
@@ -124,35 +124,26 @@ class PlateMesh:
 
 
 def plate_mesh(
-    width: float,
-    height: float,
-    outlines: Sequence[Outline] = (),
+    part: Part,
     path: np.ndarray | None = None,
     size_max: float | None = None,
     angle_max: float = 0.12,
-    cracks: Sequence[np.ndarray] = (),
     fine_at: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> PlateMesh:
-    """Mesh the plate (0, 0)-(width, height) without its notches.
+    """Mesh a part.
 
     Parameters
     ----------
-    width, height : float
-        The plate, mm.
-    outlines : sequence of Outline
-        The notches, inside the plate or across its edges.
+    part : Part
+        With its notches, inside or across its outer edge, and its cracks, which may end at each other.
     path : ndarray, shape (k, 2), optional
-        Nodes of a straight trial crack path, from its mouth (on an outline, an edge of the plate or a crack)
-        inwards, mm. The elements along it are as large as the distance between its nodes; where the surroundings are
-        finer, there are more nodes between them. It may end on the
-        boundary, too, and then goes through the ligament.
+        Nodes of a straight trial crack path, from its mouth (on a surface, or a crack's tip) inwards, mm. The elements
+        along it are as large as the distance between its nodes; where the surroundings are finer, there are more nodes
+        between them. It may end on a surface or a crack, and then goes through the ligament.
     size_max : float, optional
-        Largest element, mm; by default a twelfth of the plate's shorter side.
+        Largest element, mm; by default a twelfth of the part's shorter side.
     angle_max : float
         How far an outline may turn along one element edge, rad.
-    cracks : sequence of ndarray, shape (n, 2)
-        Points of each crack, from its mouth (on the boundary, or beyond it) to its tip, mm. One that starts in the
-        material has two tips.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
         Points of the boundary and of cracks where edges must not be longer than the sizes given, mm.
 
@@ -165,37 +156,37 @@ def plate_mesh(
     ImportError
         Without netgen.
     ValueError
-        When the notches cut the plate in pieces or leave nothing of it, or the path leaves the material.
+        When the notches cut the part in pieces or leave nothing of it, or the path leaves the material.
     MesherError
         When the mesher finds no triangles, or does not keep the prescribed nodes.
 
     Examples
     --------
-    >>> mesh = plate_mesh(2.0, 1.0, size_max=0.5)
+    >>> mesh = plate_mesh(Part.plate(2.0, 1.0), size_max=0.5)
     >>> corner = mesh.vertices[mesh.triangles]
     >>> a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     >>> round(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2), 12)
     2.0
     """
-    outlines = tuple(outlines)
-    body = plate_body(width, height, outlines)
-    in_material = [_in_material(crack, body, outlines) for crack in cracks]
-    ends_on_boundary = False
+    outlines, body = part.holes, part.body
+    extent = np.ptp(part.outer, axis=0)
+    largest = float(extent.min()) / 12 if size_max is None else size_max
+    cracks = list(part.crack_lines)
+    mouths = [point for crack in part.cracks for point in _mouths(crack)]
+    goes_through = False
     if path is not None:
         path = np.asarray(path, dtype=float)
-        ends_on_boundary = on_boundary(path[-1], body, outlines)
-        _check_path(path[:-1] if ends_on_boundary else path, body)
-    largest = min(width, height) / 12 if size_max is None else size_max
-    have_mouths = [on_boundary(crack[0], body, outlines) for crack in in_material]
-    size = element_size.all_sizes(largest, outlines, in_material, have_mouths, path, body, angle_max)
+        last = part.end_at(path[-1])
+        goes_through = last != TIP
+        _check_path(path[:-1] if goes_through else path, body)
+        mouths.append(path[0])
+        if last.kind == "crack":
+            cracks[last.number] = with_point(cracks[last.number], path[-1], part.tolerance)
+        elif goes_through:
+            mouths.append(path[-1])
+    size = element_size.all_sizes(largest, part, cracks, path, angle_max)
     if fine_at is not None:
         size.prescribe(*fine_at)
-    mouths = [crack[0] for crack, has in zip(in_material, have_mouths, strict=True) if has]
-    if path is not None:
-        mouths.append(path[0])
-        have_mouths.append(True)
-    if path is not None and ends_on_boundary:
-        mouths.append(path[-1])
     rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
     pieces = [piece for ring in rings for piece in ring]
 
@@ -203,17 +194,16 @@ def plate_mesh(
         parameters = [spaced(piece, outlines, size) for piece in pieces]
         points, segments, origin = boundary_segments(rings, parameters, outlines)
         n_boundary = len(segments)
-        lines = [crack_nodes(crack, size) for crack in in_material]
-        if path is not None:
-            lines.append(path_nodes(path, size))
+        lines = [crack_nodes(crack, size) for crack in cracks]
+        joints: dict[bytes, int] = {}
         inner = []
-        for k, (line, has_mouth) in enumerate(zip(lines, have_mouths, strict=True)):
-            known = [_existing_node(points, line[0], largest)] if has_mouth else []
-            new, last = line[len(known) :], []
-            if ends_on_boundary and k == len(lines) - 1:  # the path
-                new, last = new[:-1], [_existing_node(points, line[-1], largest)]
-            numbers = np.array([*known, *(len(points) + np.arange(len(new))), *last])
-            points = np.concatenate([points, new])
+        for line, crack in zip(lines, part.cracks, strict=True):
+            ends = [end.kind == "surface" for end in (crack.start, crack.end)]
+            points, numbers = _numbered(points, line, ends, joints, largest)
+            segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
+            inner.append(numbers)
+        if path is not None:
+            points, numbers = _numbered(points, path_nodes(path, size), [True, goes_through], {}, largest)
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         try:
@@ -223,7 +213,7 @@ def plate_mesh(
             continue
         distance, of_point = cKDTree(vertices).query(points)
         kept = _are_edges(of_point[segments], triangles, len(vertices))
-        if np.all(kept) and np.max(distance) <= 1e-9 * max(width, height):
+        if np.all(kept) and np.max(distance) <= 1e-9 * extent.max():
             vertices[of_point] = points  # exactly, also in a body that was turned
             break
         why = "the mesher cuts edges of the boundary, of cracks or of their path"
@@ -248,19 +238,27 @@ def plate_mesh(
     )
 
 
-def _in_material(crack: np.ndarray, body: shapely.Polygon, outlines: Sequence[Outline]) -> np.ndarray:
-    """The part (n, 2) of a crack that lies in the material, its mouth exactly on the boundary."""
-    line = shapely.LineString(np.asarray(crack, dtype=float)).intersection(body)
-    if line.geom_type != "LineString":
-        raise ValueError(f"crack {np.asarray(crack).tolist()}: must run through the material in one piece")
-    points = shapely.get_coordinates(line)
-    if np.linalg.norm(points[0] - crack[-1]) < np.linalg.norm(points[-1] - crack[-1]):
-        points = points[::-1]
-    for outline in outlines:
-        nearest = outline.points(outline.project(points[:1]))
-        if np.linalg.norm(nearest - points[:1]) < 1e-5 * outline.length:
-            points = np.concatenate([nearest, points[1:]])
-    return points
+def _mouths(crack: Crack) -> list[np.ndarray]:
+    """Ends (2,) of a crack that lie on surfaces, mm."""
+    ends = ((crack.start, crack.points[0]), (crack.end, crack.points[-1]))
+    return [point for end, point in ends if end.kind == "surface"]
+
+
+def _numbered(
+    points: np.ndarray, line: np.ndarray, on_others: Sequence[bool], joints: dict[bytes, int], largest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """All nodes (n, 2), those of a line (k, 2) added, and the numbers (k,) of its own.
+
+    Its first and its last one may be nodes that are there already, and any that an earlier line has left in ``joints``.
+    """
+    numbers = np.array([joints.get(point.tobytes(), -1) for point in line])
+    for k, exists in zip((0, -1), on_others, strict=True):
+        if exists:
+            numbers[k] = _existing_node(points, line[k], largest)
+    new = numbers < 0
+    numbers[new] = len(points) + np.arange(np.count_nonzero(new))
+    joints.update((point.tobytes(), int(number)) for point, number in zip(line, numbers, strict=True))
+    return np.concatenate([points, line[new]]), numbers
 
 
 def _check_path(path: np.ndarray, body: shapely.Polygon) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -12,7 +11,7 @@ import shapely
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters
 
-from slmm.fem.loads import Loading, plate_load
+from slmm.fem.loads import nodal_load
 from slmm.fem.mesh import PlateMesh
 from slmm.fem.plane_stiffness import plane_stiffness
 from slmm.fem.recovery import recovered_stress
@@ -21,22 +20,25 @@ from slmm.mechanics import triangle
 from slmm.mechanics.crack_line import crack_factor
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import ElementResults, linear_elastic
+from slmm.mechanics.material import Material
 from slmm.mechanics.stress import plane_stiffness_matrix
+from slmm.scene.loading import Condition, Loading
 
 
 class PlateModel:
-    """Quadratic triangles on a body-fitted mesh, cracks open, loaded as the scene says.
+    """Quadratic triangles on a body-fitted mesh of a part, cracks open, under a loading.
 
-    A trial path in the mesh is closed; `SlitModel` lets it open.
+    A trial path in the mesh is closed; `SlitModel` lets it open. Where cracks sever the part, each piece moves by
+    itself; one that the load carries away has no displacements (NaN).
 
     Parameters
     ----------
     mesh : PlateMesh
         Triangles, edges on the outlines, cracks and the trial path.
-    scene : Scene
-        Plate, material and load.
-    loading : callable
-        Makes a NodalLoad of mesh, points and scene; for supports that scenes do not have, as planes of symmetry.
+    material : Material
+    loading : Loading
+    thickness : float
+        mm; displacements and what is released are those of 1 mm.
 
     Attributes
     ----------
@@ -58,10 +60,10 @@ class PlateModel:
     factor: SuperLU
     order: np.ndarray
 
-    def __init__(self, mesh: PlateMesh, scene: Any, loading: Loading = plate_load) -> None:
+    def __init__(self, mesh: PlateMesh, material: Material, loading: Loading, thickness: float = 1.0) -> None:
         """Assemble, factorise and solve."""
-        self.E, self.nu = scene.material.plane_stress_equivalent
-        self._scene = scene
+        self.E, self.nu = material.plane_stress_equivalent
+        self.material, self.thickness = material, thickness
         slit = open_slits(mesh)
         self.mesh = slit.mesh
         self.points = self.mesh.doflocs.T
@@ -78,12 +80,24 @@ class PlateModel:
             (np.ones(len(jump)), (jump, follows)), shape=(2 * n, 2 * n)
         )
         self.K = (to_displacements.T @ K @ to_displacements).tocsr() if len(jump) else K
-        self.load = loading(self.mesh, self.points, scene)
+        self.load = nodal_load(loading, self.mesh, self.points, np.column_stack([slit.right, slit.left]))
         value = self.load.value.ravel().copy()
         value[jump] = 0.0
         force = to_displacements.T @ self.load.force.ravel()
         self._solve(force, value, jump)
         self.u = (to_displacements @ value).reshape(-1, 2)
+        self.u[self.load.adrift] = np.nan
+
+    @property
+    def is_carried_away(self) -> bool:
+        """Whether the load carries a piece of a severed part away."""
+        return bool(self.load.adrift.any())
+
+    def reaction(self, condition: Condition) -> np.ndarray:
+        """Force (2,) on the part along a stretch that is held or pulled there, N for each mm of thickness."""
+        on = condition.on(self.points)
+        force = np.where(self.load.prescribed, (self.K @ self.u.ravel()).reshape(-1, 2), self.load.force)
+        return force[on].sum(axis=0)
 
     def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
         """Put the free displacements into ``value`` (2 n,), which holds the prescribed ones."""
@@ -100,10 +114,8 @@ class PlateModel:
         nodes = self._place[self.triangles]
         clockwise = a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0]
         nodes[clockwise] = nodes[clockwise][:, [0, 2, 1, 5, 4, 3]]
-        material = self._scene.material
-        elasticity = Elasticity(material.E, material.nu, material.state)
-        thickness = self._scene.plate.thickness
-        return linear_elastic(self.points, {"CPE6": nodes}, self.u, elasticity, thickness=thickness)
+        elasticity = Elasticity(self.material.E, self.material.nu, self.material.state)
+        return linear_elastic(self.points, {"CPE6": nodes}, self.u, elasticity, thickness=self.thickness)
 
     @cached_property
     def nodal_stress(self) -> np.ndarray:

@@ -85,7 +85,7 @@ def solve_body_fitted(
     Parameters
     ----------
     scene : Scene
-        With ``plate``, ``outlines``, ``cracks``, ``material`` and ``load``.
+        With ``plate``, ``part``, ``outlines``, ``material`` and ``loading``.
     size_max, angle_max : float, optional
         Largest element (mm) and largest turn (rad) of an outline along one, in the coarser mesh.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
@@ -96,10 +96,12 @@ def solve_body_fitted(
     ImportError
         Without the extra ``fea``.
     """
-    plate = scene.plate
-    cracks = [np.asarray(crack.points, dtype=float) for crack in scene.cracks]
-    mesh = plate_mesh(plate.width, plate.height, scene.outlines, None, size_max, angle_max, cracks, fine_at)
-    return BodyFitted(PlateModel(mesh, scene), PlateModel(mesh.refined(), scene), rasterised(scene))
+    mesh = plate_mesh(scene.part, None, size_max, angle_max, fine_at)
+    coarse, fine = (
+        PlateModel(each, scene.material, scene.loading, scene.part.thickness)
+        for each in (mesh, mesh.refined())
+    )
+    return BodyFitted(coarse, fine, rasterised(scene))
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,7 @@ def by_griffith(task: Task) -> Answer:
     answer = Answer.empty(task.n, "griffith")
     answer.status[:] = NO_CRACK
     material = task.scene.material
-    notches = find_notches(task, answer, np.flatnonzero(task.where.crack >= 0).tolist())
+    notches = find_notches(task, answer, np.flatnonzero(task.where.tip >= 0).tolist())
     model = notch_model(task, answer, notches)
     if model is not None:
         for i, notch in notches.items():

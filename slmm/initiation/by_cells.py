@@ -52,7 +52,7 @@ def by_cells(task: Task, auto_control: bool) -> Answer:
 def rows_with_cells(task: Task, answer: Answer) -> np.ndarray:
     """Positions that may have cells; the others get their status."""
     answer.status[np.isfinite(task.where.corner)] = CORNER
-    answer.status[task.where.crack >= 0] = TIP
+    answer.status[task.where.tip >= 0] = TIP
     if task.scene.cracks:
         answer.status[task.smooth] = CRACKED
         return np.empty(0, dtype=int)

@@ -178,7 +178,7 @@ def _body_fitted_stress(task, answer, depths):
 def distance_to_tips(scene: Scene, points: np.ndarray) -> np.ndarray:
     """Distances (n,) from points (n, 2) to the nearest corner of a notch or crack tip, mm; inf where there is none."""
     corners = [outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in scene.outlines]
-    tips = [np.array([crack.points[-1] for crack in scene.cracks]).reshape(-1, 2)]
+    tips = [np.array([line[-1] for line in scene.part.tips]).reshape(-1, 2)]
     singular = np.concatenate([*corners, *tips])
     steps = points[:, None] - singular
     return np.hypot(steps[..., 0], steps[..., 1]).min(axis=1, initial=np.inf)

@@ -23,15 +23,7 @@ ENERGY_OF_BRACKET, ENERGY_OF_EDGES, ENERGY_OF_WIDTH = 0.07, 0.08, 0.01
 
 def reference_stress(scene: Scene) -> float:
     """Stress that a circular hole makes of the scene's load, MPa: errors do not fall with a local stress below it."""
-    load, E = scene.load, scene.material.plane_stress_equivalent[0]
-    if load.strain is not None:
-        nominal = E * float(np.abs(load.strain).max())
-    elif load.displacement is not None:
-        nominal = E * abs(load.displacement) / scene.plate.height
-    else:
-        assert load.stress is not None
-        nominal = abs(load.stress)
-    return 3.0 * nominal
+    return 3.0 * scene.loading.nominal_stress(scene.material.plane_stress_equivalent[0])
 
 
 def faded(reference: float, sigma: np.ndarray) -> np.ndarray:

@@ -23,7 +23,6 @@ import numpy as np
 import shapely
 from numpy.polynomial import legendre
 
-from slmm.fem.boundary import plate_body
 from slmm.fem.boundary_stiffness import BoundaryOfModel, BoundaryStiffness
 from slmm.fem.plate_model import PlateModel
 from slmm.initiation.body_fitted import BodyFitted
@@ -197,7 +196,7 @@ class DislocationModel:
     Parameters
     ----------
     scene : Scene
-        ``plate``, ``outlines`` and ``material`` are used.
+        ``plate``, ``part`` and ``material`` are used.
     model : BodyFitted
         Of the uncracked part.
     positions : int, optional
@@ -209,7 +208,7 @@ class DislocationModel:
         self.scene, self.model = scene, model
         condensed = positions >= MANY
         self.boundaries = Boundary(model.coarse, condensed), Boundary(model.fine, condensed)
-        self.body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
+        self.body = scene.part.body
         shapely.prepare(self.body)
         self.ends = _ends(self.body, scene.plate.width, scene.plate.height)
 

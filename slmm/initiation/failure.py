@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 #: times that positions are added where the index is largest
 ROUNDS = 4
 
+#: status of every position of a part in pieces
+SEVERED = "the cracks sever the part"
+
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
 
@@ -141,13 +144,19 @@ def failure_indices(
         given,
         progress,
     )
-    answer = METHODS[method](task)
-    if refined:
+    if severed := scene.part.is_severed:
+        answer = Answer.empty(task.n, "none")
+        answer.status[:] = SEVERED
+    else:
+        answer = METHODS[method](task)
+    if refined and not severed:
         task, answer = with_peaks(task, answer, METHODS[method])
     # behind the method, which need not be dearer for what the picture of the notch leaves open
     add_outline_error(task, answer)
     bound = upper_bounds(task, answer, method)
     answer.provenance = {"method": method} | answer.provenance
+    if severed:
+        answer.provenance["pieces"] = len(scene.part.pieces)
     if answer.cost:
         answer.provenance["cost"] = "; ".join(
             f"{name}: {count} positions in {seconds:.2g} s" for name, (count, seconds) in answer.cost.items()

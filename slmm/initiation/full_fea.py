@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from slmm.fem.loads import Loading, plate_load
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel
 from slmm.initiation.contact import until_closed
 from slmm.mechanics.stress import principal_stress
+from slmm.part.part import Part
 
 #: from one path element to the next at most; also the mesher follows steps up to 1.5 alone
 GROWTH = 1.25
@@ -83,7 +83,6 @@ def full_fea_curves(
     size_max: float | None = None,
     angle_max: float = 0.25,
     singular: bool = False,
-    loading: Loading = plate_load,
     end: np.ndarray | None = None,
     levels: int = LEVELS,
 ) -> FullFEA:
@@ -92,7 +91,7 @@ def full_fea_curves(
     Parameters
     ----------
     scene : Scene
-        With ``plate``, ``outlines``, ``cracks``, ``material`` and ``load``.
+        With ``part``, ``material`` and ``loading``.
     outline_index : int
         The notch the path starts from.
     s : float
@@ -112,10 +111,8 @@ def full_fea_curves(
         outline along one, in the coarsest of the meshes.
     singular : bool
         The path starts at a corner or a crack tip, where the stress is infinite.
-    loading : callable
-        See `slmm.fem.plate_model.PlateModel`.
     end : ndarray, shape (2,), optional
-        Point of the boundary where the path leaves the material, mm; in place of ``a_max``. The lengths are then
+        Point of a surface or crack where the path leaves the material, mm; in place of ``a_max``. The lengths are then
         dense towards both ends, (2 n_lengths - 1,) with tips and the severed ligament as the last one.
     levels : int
         Number of meshes, 2 or 3.
@@ -159,19 +156,18 @@ def full_fea_curves(
     if eta is None:
         eta = a if singular else np.concatenate([[0.0], a])
     eta = np.asarray(eta, dtype=float)
-    plate = scene.plate
+    part: Part = scene.part
     if size_max is None:
-        size_max = min(plate.width, plate.height) / 8
+        size_max = float(np.ptp(part.outer, axis=0).min()) / 8
     path = origin + depth[:, None] * along
-    cracks = [np.asarray(crack.points, dtype=float) for crack in scene.cracks]
-    mesh = plate_mesh(plate.width, plate.height, scene.outlines, path, size_max, angle_max, cracks)
+    mesh = plate_mesh(part, path, size_max, angle_max)
     # where the tips are among the vertices of the path; a severed ligament has none
     tips = a if end is None else a[:-1]
     last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + tips[:, None] * along)[1]
     released, stress = [], []
     opening = np.ones(len(a))
     for level in range(levels):
-        model = SlitModel(mesh, scene, loading)
+        model = SlitModel(mesh, scene.material, scene.loading, part.thickness)
         energy = model.released_energy()[last_nodes * 2**level]
         if end is not None:
             energy = np.append(energy, min(model.severed_energy(), PLENTY * energy[-1]))
@@ -244,8 +240,9 @@ def _path_start(
         return np.asarray(start, dtype=float), along / np.linalg.norm(along)
     if outline_index is None or s is None:
         raise ValueError("a crack path needs outline_index and s, or start and direction")
-    if not 0 <= outline_index < len(scene.outlines):
-        raise ValueError(f"outline_index = {outline_index!r}: the scene has {len(scene.outlines)} outlines")
-    outline = scene.outlines[outline_index]
+    holes = scene.part.holes
+    if not 0 <= outline_index < len(holes):
+        raise ValueError(f"outline_index = {outline_index!r}: the scene has {len(holes)} outlines")
+    outline = holes[outline_index]
     at = np.array([s % outline.length])
     return outline.points(at)[0], outline.normals(at)[0]

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from slmm.fem.boundary import plate_body
 from slmm.initiation.local_model import Raster, rasterised
 from slmm.initiation.positions import Positions
 from slmm.results.field import ELEMENTS, DisplacementField
@@ -131,7 +130,7 @@ def given_field(displacements: Any, scene: Scene, where: Positions, field: str |
     """
     model, source = displacement_field(displacements, field)
     given = GivenField(model, rasterised(scene), source)
-    body = plate_body(scene.plate.width, scene.plate.height, scene.outlines)
+    body = scene.part.body
     try:
         _check_box(model, body, scene)
         _check_area(model, body, scene)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from slmm.mechanics.material import Material
 from slmm.part.coverage import area_fraction
 from slmm.part.edges import material_on_edges, share_of_pieces
-from slmm.scene.load_checks import Load
+from slmm.scene.loading import Loading
 from slmm.voxels.model import solve_voxels
 
 SMALLEST_SIDE = 16  # voxels along each side of the plate, at least
@@ -48,7 +48,7 @@ class _Scene(Protocol):
     @property
     def material(self) -> Material: ...
     @property
-    def load(self) -> Load: ...
+    def loading(self) -> Loading: ...
     @property
     def analysis(self) -> _Analysis: ...
 
@@ -155,7 +155,7 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
 
     Parameters
     ----------
-    scene : object with ``plate``, ``outlines``, ``material``, ``load`` and ``analysis``
+    scene : object with ``plate``, ``outlines``, ``material``, ``loading`` and ``analysis``
         Only the outlines' ``polygon(n)`` and the ``void_stiffness`` of the analysis are used of the latter.
     voxels : int
         Their total number; each side of the plate has at least 16.
@@ -181,11 +181,11 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
     density = 1 - area_fraction(polygons, width, height, nx, ny)
     E, nu = scene.material.plane_stress_equivalent
     loaded = None
-    if scene.load.stress is not None:
+    if any(any(condition.traction) for condition in scene.loading):
         edges = material_on_edges([shapely.Polygon(polygon) for polygon in polygons], width, height)
         loaded = np.stack([share_of_pieces(stretches, width, nx) for stretches in (edges.bottom, edges.top)])
     solution = solve_voxels(
-        void + (1 - void) * density, width, height, nu, scene.load, E=E, tol=tol, loaded=loaded
+        void + (1 - void) * density, width, height, nu, scene.loading, E=E, tol=tol, loaded=loaded
     )
     return LocalModel(solution.u, hx, hy, nx, ny, density, solution.iterations, solution.residual)
 

@@ -54,22 +54,16 @@ def trial_paths(scene: Scene, where: Positions) -> Paths:
     for k, outline in enumerate(scene.outlines):
         on_k = where.hole == k
         direction[on_k] = outline.normals(where.s[on_k])
-    for k, crack in enumerate(scene.cracks):
-        last, tip = np.array(crack.points[-2]), np.array(crack.points[-1])
-        direction[where.crack == k] = (tip - last) / np.linalg.norm(tip - last)
+    for k, line in enumerate(scene.part.tips):
+        last = line[-1] - line[-2]
+        direction[where.tip == k] = last / np.linalg.norm(last)
     ligament = ligaments(scene, where.points, direction)
     longest = np.minimum(IN_IRWIN_LENGTHS * scene.material.irwin_length, IN_LIGAMENT * ligament)
     return Paths(where.points, direction, ligament, longest)
 
 
 def ligament_end(scene: Scene, paths: Paths, i: int) -> np.ndarray:
-    """Point (2,) of the boundary where the path of a position leaves the material, mm.
-
-    Raises
-    ------
-    ValueError
-        When that is at a crack, which has no place for another one's end.
-    """
+    """Point (2,) of a surface or crack where the path of a position leaves the material, mm."""
     end = paths.start[i] + paths.ligament[i] * paths.direction[i]
     sides = np.array([scene.plate.width, scene.plate.height])
     near = CLOSE * float(sides.max())
@@ -77,11 +71,8 @@ def ligament_end(scene: Scene, paths: Paths, i: int) -> np.ndarray:
         on_outline = outline.points(outline.project(end[None]))[0]
         if np.linalg.norm(on_outline - end) < near:
             return on_outline
-    # exactly on the plate's edge
-    snapped = np.where(np.abs(end) < near, 0.0, np.where(np.abs(end - sides) < near, sides, end))
-    if np.array_equal(snapped, end):
-        raise ValueError(f"the path ends at ({end[0]:.6g}, {end[1]:.6g}) mm, at a crack")
-    return snapped
+    # exactly on the plate's edge, unless it is a crack
+    return np.where(np.abs(end) < near, 0.0, np.where(np.abs(end - sides) < near, sides, end))
 
 
 def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.ndarray:
@@ -89,7 +80,7 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
     plate = shapely.box(0, 0, scene.plate.width, scene.plate.height)
     rings = [outline.polygon(2000) for outline in scene.outlines]
     closed = [np.array(plate.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)]
-    lines = Lines.of([*closed, *(np.array(crack.points) for crack in scene.cracks)])
+    lines = Lines.of([*closed, *(crack.points for crack in scene.part.cracks)])
     reach = scene.plate.width + scene.plate.height
     result = np.full(len(points), OFFSETS[-1] * reach)
     todo = np.arange(len(points))

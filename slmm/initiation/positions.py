@@ -30,8 +30,8 @@ class Positions(NamedTuple):
         Arc length on that outline, mm; NaN at a crack tip.
     points : ndarray (n, 2)
         Coordinates, mm.
-    crack : ndarray (n,) of int
-        Index into ``scene.cracks`` at a crack tip; -1 on the notches.
+    tip : ndarray (n,) of int
+        Index into ``scene.part.tips`` at a crack tip; -1 on the notches.
     corner : ndarray (n,)
         Opening angle at a sharp corner, rad; 0 at a crack tip, NaN where the outline is smooth.
     """
@@ -39,7 +39,7 @@ class Positions(NamedTuple):
     hole: np.ndarray
     s: np.ndarray
     points: np.ndarray
-    crack: np.ndarray
+    tip: np.ndarray
     corner: np.ndarray
 
 
@@ -71,9 +71,9 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
     >>> where.s.round(6).tolist(), np.degrees(where.corner).round(6).tolist()
     ([0.0, 30.0, 60.0, 90.0], [90.0, 90.0, 90.0, 90.0])
     """
-    if not scene.outlines and not scene.cracks:
+    if not scene.outlines and not scene.part.tips and not scene.part.is_severed:
         raise ValueError(
-            "holes: the scene has none, and no cracks; a crack is looked for at a hole, notch or crack tip"
+            "holes: the scene has none, and no crack tips; a crack is looked for at a hole, notch or crack tip"
         )
     tolerance = TOLERANCE * max(scene.plate.width, scene.plate.height)
     if positions is None and scene.analysis.points is not None:
@@ -98,7 +98,7 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
 def _explicit(scene: Scene, wanted: np.ndarray, tolerance: float) -> Positions:
     """The explicit points (n, 2), each at the crack tip or on the outline where it belongs."""
     n = len(wanted)
-    hole, s, crack = np.full(n, -1), np.full(n, np.nan), np.full(n, -1)
+    hole, s, at_tip = np.full(n, -1), np.full(n, np.nan), np.full(n, -1)
     nearest = np.full(n, np.inf)
     for k, outline in enumerate(scene.outlines):
         on_k = outline.project(wanted)
@@ -108,17 +108,17 @@ def _explicit(scene: Scene, wanted: np.ndarray, tolerance: float) -> Positions:
         hole[nearer], s[nearer], nearest[nearer] = k, on_k[nearer], distance[nearer]
     for i, tip in enumerate(_tips(scene)):
         at = np.linalg.norm(wanted - tip, axis=1) <= tolerance
-        hole[at], s[at], crack[at] = -1, np.nan, i
-    lost = np.flatnonzero((hole < 0) & (crack < 0))
+        hole[at], s[at], at_tip[at] = -1, np.nan, i
+    lost = np.flatnonzero((hole < 0) & (at_tip < 0))
     if len(lost):
         x, y = wanted[lost[0]]
         raise ValueError(
             f"analysis.points[{lost[0]}] = [{x:g}, {y:g}]: the scene has no hole, so it must be a crack tip"
         )
-    return positions_on(scene, hole, s, crack)
+    return positions_on(scene, hole, s, at_tip)
 
 
-def positions_on(scene: Scene, hole: np.ndarray, s: np.ndarray, crack: np.ndarray) -> Positions:
+def positions_on(scene: Scene, hole: np.ndarray, s: np.ndarray, tip: np.ndarray) -> Positions:
     """Positions with their coordinates and opening angles."""
     points, corner = np.empty((len(s), 2)), np.full(len(s), np.nan)
     for k, outline in enumerate(scene.outlines):
@@ -126,14 +126,14 @@ def positions_on(scene: Scene, hole: np.ndarray, s: np.ndarray, crack: np.ndarra
         points[on_k] = outline.points(s[on_k])
         index = outline.corner_at(s[on_k])
         corner[on_k] = np.append(outline.corner_angles, np.nan)[index]  # -1, no corner, is the last one
-    at_tip = crack >= 0
-    points[at_tip], corner[at_tip] = _tips(scene)[crack[at_tip]], 0.0
-    return Positions(hole, s, points, crack, corner)
+    at_tip = tip >= 0
+    points[at_tip], corner[at_tip] = _tips(scene)[tip[at_tip]], 0.0
+    return Positions(hole, s, points, tip, corner)
 
 
 def _tips(scene: Scene) -> np.ndarray:
     """Tips (n, 2) of the cracks, mm."""
-    return np.array([crack.points[-1] for crack in scene.cracks], dtype=float).reshape(-1, 2)
+    return np.array([line[-1] for line in scene.part.tips], dtype=float).reshape(-1, 2)
 
 
 def _spread(scene: Scene, outline: Outline, count: int) -> np.ndarray:

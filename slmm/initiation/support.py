@@ -19,7 +19,8 @@ import numpy as np
 from slmm.initiation.placement import CELL_HEIGHT, CELL_LENGTH
 from slmm.part.outline import Outline
 from slmm.part.rays import Lines, are_inside, distances_along
-from slmm.scene.scene import Load, Scene
+from slmm.scene.loading import Condition, plate_edges
+from slmm.scene.scene import Scene
 
 #: k of an edge that the crack points at, and of one beside it, for what holds the edge
 FACTORS = {
@@ -57,24 +58,25 @@ def edge_support(
     of_cell = 1 / front**2 + 2 / scale**2
     start, normal, tangent = outline.points(s), outline.normals(s), outline.tangents(s)
     total = np.zeros(len(s))
+    bottom, right, *_ = plate_edges(scene.plate.width, scene.plate.height)
+    # opposite edges are held alike
+    edges = [_holds(scene.loading.at_edge(*edge)) for edge in (bottom, right)]
     for direction, beside in ((normal, 0), (tangent, 1), (-tangent, 1)):
         distance, horizontal = _to_edge(start, direction, scene.plate.width, scene.plate.height)
         # other notches on the way, or this one, keep the edge's answer away
         seen = ~_blocked(scene.notches, start, direction, distance)
-        k = np.where(
-            horizontal, FACTORS[_edge(scene.load, True)][beside], FACTORS[_edge(scene.load, False)][beside]
-        )
+        k = np.where(horizontal, FACTORS[edges[0]][beside], FACTORS[edges[1]][beside])
         total += np.where(seen, k / distance**2, 0.0)
     return np.clip(total / of_cell, -LIMIT, LIMIT)
 
 
-def _edge(load: Load, horizontal: bool) -> str:
-    """What holds the horizontal (top and bottom) or the vertical edges."""
-    if load.strain is not None:
+def _holds(condition: Condition) -> str:
+    """What holds an edge."""
+    if all(condition.is_held):
         return "held"
-    if not horizontal:
-        return "free"
-    return "rolling" if load.displacement is not None else "loaded"
+    if any(condition.is_held):
+        return "rolling"
+    return "loaded" if any(condition.traction) else "free"
 
 
 def _to_edge(

@@ -14,6 +14,7 @@ import shapely
 
 from slmm.initiation.positions import Positions
 from slmm.part.outline import AT_CORNER, Outline
+from slmm.part.part import Part
 from slmm.scene.scene import Scene
 
 #: a flank is straight as long as its tangent turns by less, rad
@@ -72,18 +73,17 @@ def notch_at(scene: Scene, where: Positions, i: int) -> VNotch:
     >>> round(float(np.degrees(notch.opening)), 3), round(notch.radius, 3), round(notch.clear, 3)
     (60.0, 0.5, 10.0)
     """
-    if where.crack[i] >= 0:
-        return crack_notch(scene, int(where.crack[i]))
+    if where.tip[i] >= 0:
+        return crack_notch(scene, scene.part.tips[where.tip[i]])
     if np.isnan(where.corner[i]):
         return rounded_notch(scene, int(where.hole[i]), float(where.s[i]))
     return sharp_notch(scene, int(where.hole[i]), float(where.s[i]))
 
 
-def crack_notch(scene: Scene, crack: int) -> VNotch:
-    """The tip of a crack: its last segment is both flanks."""
-    line = np.array(scene.cracks[crack].points)
+def crack_notch(scene: Scene, line: np.ndarray) -> VNotch:
+    """The tip of a crack, the last point of its line (n, 2): its last segment is both flanks."""
     last = line[-1] - line[-2]
-    clear = _clear_distance(scene, line[-1], line[:-1], crack=crack)
+    clear = _clear_distance(scene, line[-1], line[:-1], flanks=line[-2:])
     return VNotch(line[-1], last / np.linalg.norm(last), 0.0, 0.0, clear)
 
 
@@ -131,16 +131,30 @@ def rounded_notch(scene: Scene, hole: int, s: float) -> VNotch:
 
 
 def _clear_distance(
-    scene: Scene, root: np.ndarray, beyond: np.ndarray, hole: int = -1, crack: int = -1
+    scene: Scene, root: np.ndarray, beyond: np.ndarray, hole: int = -1, flanks: np.ndarray | None = None
 ) -> float:
-    """Distance from a root to anything but its flanks, mm; ``beyond`` (n, 2) is the rest of its hole or crack."""
+    """Distance from a root to anything but its flanks, mm.
+
+    ``beyond`` (n, 2) is the rest of its hole or crack, ``flanks`` (2, 2) the last straight of a crack.
+    """
     rest = shapely.LineString(beyond) if len(beyond) > 1 else shapely.Point(beyond[0])
     obstacles = chain(
-        (shapely.box(0, 0, scene.plate.width, scene.plate.height).exterior, rest),
+        (shapely.LinearRing(scene.part.outer), rest),
         (shapely.LinearRing(other.polygon(2000)) for k, other in enumerate(scene.outlines) if k != hole),
-        (shapely.LineString(other.points) for k, other in enumerate(scene.cracks) if k != crack),
+        (shapely.LineString(line) for line in _other_cracks(scene.part, flanks)),
     )
     return min(shapely.Point(root).distance(obstacle) for obstacle in obstacles)
+
+
+def _other_cracks(part: Part, flanks: np.ndarray | None) -> list[np.ndarray]:
+    """Lines (n, 2) of the cracks but the one whose last straight ends at a tip."""
+    if flanks is None:
+        return [crack.points for crack in part.cracks]
+    return [
+        crack.points
+        for crack in part.cracks
+        if not any(np.array_equal(line[-2:], flanks) for line in crack.tips)
+    ]
 
 
 def _turns(outline: Outline, s: float, side: int) -> tuple[np.ndarray, np.ndarray]:

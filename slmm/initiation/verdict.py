@@ -56,6 +56,12 @@ def conclude(result: xr.Dataset) -> Verdict:
     >>> conclude(result).is_open
     True
     """
+    if "pieces" in result.attrs:
+        return Verdict(
+            f"The cracks sever the part, in {result.attrs['pieces']} pieces: it does not carry its load from one to the"
+            " other any more. Take away a crack, or ask for one piece.",
+            is_open=True,
+        )
     known = _Known(result)
     worst = known.worst
     if worst is None or not result["failure_index"].values[worst] > 0:

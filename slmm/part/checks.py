@@ -11,12 +11,13 @@ from shapely.validation import explain_validity
 
 from slmm.part.edges import Edges, material_on_edges
 from slmm.part.outline import Outline
+from slmm.part.part import TOLERANCE
 from slmm.part.union import united
 
 Array = NDArray[np.float64]
 
-#: lengths below this share of the plate count as zero
-TOLERANCE = 1e-5
+#: lines that are nearer than the tolerance for so many tolerances run along each other: at an angle below half a degree
+ALONG = 200
 
 
 def overlaps_united(
@@ -106,7 +107,10 @@ def hole_problems(
 def crack_problems(
     cracks: Sequence[Array], outlines: Sequence[Outline], width: float, height: float
 ) -> list[str]:
-    """Problems of the cracks, each (n, 2) points in mm with the tip last, in a plate whose holes are fine."""
+    """Problems of the cracks, each (n, 2) points in mm, in a plate whose holes are fine.
+
+    Each end may lie in the material, then it is a tip, on a surface or in a hole, or on another crack.
+    """
     plate = box(0.0, 0.0, width, height)
     tolerance = TOLERANCE * max(width, height)
     holes = unary_union([_polygon(outline) for outline in outlines])
@@ -120,26 +124,25 @@ def crack_problems(
             k = int(np.argmax(steps <= tolerance))
             problems.append(f"{name}: points {k} and {k + 1} coincide; remove one of them")
             continue
-        line, start, tip = LineString(points), Point(points[0]), Point(points[-1])
-        if not line.is_simple:
-            problems.append(f"{name}: crosses itself")
+        line = LineString(points)
+        if not line.is_simple or line.is_ring:
+            problems.append(f"{name}: crosses or touches itself")
         elif not plate.buffer(tolerance).covers(line):
             problems.append(f"{name}: leaves the plate (0 to {width:g}, 0 to {height:g})")
-        elif not material.contains(tip) or material.boundary.distance(tip) <= tolerance:
-            problems.append(f"{name}: its tip ({tip.x:.6g}, {tip.y:.6g}) must lie inside the material")
-        elif material.contains(start) and material.boundary.distance(start) > tolerance:
-            problems.append(
-                f"{name}: its first point ({start.x:.6g}, {start.y:.6g}) lies inside the material;"
-                " a crack starts at the plate's edge or in a hole, only its last point is a tip"
-            )
+        elif not any(part.length > tolerance for part in get_parts(line.intersection(material))):
+            problems.append(f"{name}: does not run through the material")
         elif _runs_along_an_edge_or_through_a_hole(line, material, tolerance):
-            problems.append(f"{name}: runs through a hole or along an edge")
+            problems.append(
+                f"{name}: runs through a hole or along an edge; give what lies beyond it as another crack"
+            )
         else:
             lines.append((i, line))
+    tree = STRtree([line for _, line in lines])
     for a, (i, first) in enumerate(lines):
-        for j, second in lines[a + 1 :]:
-            if first.distance(second) <= tolerance:
-                problems.append(f"cracks[{i}] and cracks[{j}]: touch or cross each other")
+        for b in sorted(tree.query(first, predicate="dwithin", distance=tolerance)):
+            j, second = lines[b]
+            if b > a and first.intersection(second.buffer(tolerance)).length > ALONG * tolerance:
+                problems.append(f"cracks[{i}] and cracks[{j}]: run along each other")
     return problems
 
 
@@ -154,9 +157,10 @@ def _runs_along_an_edge_or_through_a_hole(line: LineString, material: Polygon, t
     parts = get_parts(line.intersection(material))
     if sum(part.length > tolerance for part in parts) != 1:
         return True
-    # at its start the crack leaves the edge at some angle, of more than half a degree
+    # at its ends the crack leaves the edge at some angle, of more than half a degree
     beside = material.boundary.intersection(line.buffer(tolerance, cap_style="flat"))
-    return bool(beside.length > 200 * tolerance)
+    ends = sum(material.boundary.distance(Point(line.coords[k])) <= 2 * tolerance for k in (0, -1))
+    return bool(beside.length > ALONG * max(ends, 1) * tolerance)
 
 
 def position_problems(points: Array, width: float, height: float) -> list[str]:

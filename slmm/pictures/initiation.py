@@ -100,9 +100,9 @@ def draw_notch(
         axes.add_patch(Polygon(outline.polygon(720), fc="white", ec="none", zorder=2))
         rim = axes.add_patch(Polygon(outline.polygon(720), fill=False, ec="0.35", lw=1.0, zorder=3))
         _clip_to_plate(rim, axes, scene)
-    for k, crack in enumerate(scene.cracks):
+    for k, crack in enumerate(scene.part.cracks):
         label = "initial crack" if k == 0 else None
-        axes.plot(*np.array(crack.points).T, color="black", lw=1.8, zorder=3.5, label=label)
+        axes.plot(*crack.points.T, color="black", lw=1.8, zorder=3.5, label=label)
 
     FI, hole, s = (result[name].values for name in ("failure_index", "hole", "arc_length"))
     found = np.isfinite(FI)
@@ -218,9 +218,9 @@ def _places(axes: Axes, scene: Scene, result: xr.Dataset, longest: float) -> Arr
     place = result["arc_length"].values.copy()
     tips = np.flatnonzero(result["hole"].values < 0)
     if not longest > 0:
-        place[tips] = [_crack_at(scene, result, i) for i in tips.tolist()]
-        n = len(scene.cracks)
-        axes.set(xlim=(-0.5, n - 0.5), xlabel="tip of crack", xticks=np.arange(0, n, -(-n // 20)))
+        place[tips] = [_tip_at(scene, result, i) for i in tips.tolist()]
+        n = max(len(scene.part.tips), 1)
+        axes.set(xlim=(-0.5, n - 0.5), xlabel="crack tip", xticks=np.arange(0, n, -(-n // 20)))
         return place
     place[tips] = longest * (1.05 + 0.04 * np.arange(len(tips)))
     axes.set(xlim=(0, max([longest, *(place[tips] + 0.03 * longest)])))
@@ -304,6 +304,9 @@ def _draw_stress(axes: Axes, bar: Axes, field: StressField, scene: Scene, view: 
     ratio = field.sigma_I / scene.material.sigma_c
     ny, nx = ratio.shape
     left, right, bottom, top = field.extent
+    if not np.isfinite(ratio).any():  # of pieces that the load carries away
+        bar.set_axis_off()
+        return
     rows, columns = (
         slice(
             max(int((low - start) / (end - start) * n), 0),
@@ -355,13 +358,13 @@ def _direction(scene: Scene, result: xr.Dataset, i: int) -> Array:
     hole = int(result["hole"].values[i])
     if hole >= 0:
         return scene.outlines[hole].normals(result["arc_length"].values[i])
-    before, tip = np.array(scene.cracks[_crack_at(scene, result, i)].points[-2:])
+    before, tip = scene.part.tips[_tip_at(scene, result, i)][-2:]
     return (tip - before) / np.linalg.norm(tip - before)
 
 
-def _crack_at(scene: Scene, result: xr.Dataset, i: int) -> int:
-    """The crack whose tip is position i."""
-    tips = np.array([crack.points[-1] for crack in scene.cracks])
+def _tip_at(scene: Scene, result: xr.Dataset, i: int) -> int:
+    """The crack tip that is position i."""
+    tips = np.array([line[-1] for line in scene.part.tips])
     return int(np.linalg.norm(tips - [result["x"].values[i], result["y"].values[i]], axis=1).argmin())
 
 
@@ -393,7 +396,7 @@ def _view(scene: Scene) -> View:
     points = np.concatenate(
         [
             *(outline.polygon(720) for outline in scene.outlines),
-            *(np.array(crack.points) for crack in scene.cracks),
+            *(crack.points for crack in scene.part.cracks),
         ]
     )
     # a notch that cuts the plate's edge goes on beyond it

@@ -8,7 +8,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from slmm.fem.boundary import plate_body
 from slmm.initiation.local_model import solve_local_model
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import plane_stiffness_constants, principal
@@ -73,9 +72,7 @@ def _around_cracks(scene: Scene, view: View) -> StressField:
     from slmm.fem.plate_model import PlateModel
     from slmm.mechanics.stress import principal_stress
 
-    width, height = scene.plate.width, scene.plate.height
-    cracks = [np.asarray(crack.points, dtype=float) for crack in scene.cracks]
-    model = PlateModel(plate_mesh(width, height, scene.outlines, cracks=cracks), scene)
+    model = PlateModel(plate_mesh(scene.part), scene.material, scene.loading)
     extent, (nx, ny) = _grid(scene, view)
     x, y = (
         start + (np.arange(n) + 0.5) * (end - start) / n
@@ -95,7 +92,7 @@ def _of_displacements(scene: Scene, view: View, displacements: Any) -> StressFie
     u = field.displacement(points.reshape(-1, 2)).reshape(points.shape)
     sigma_I = _principal_stress(u, x[1] - x[0], y[1] - y[0], scene.material)
     # in the notches the field is a continuation; at their rim it is wanted, so that no gap is left
-    near = plate_body(scene.plate.width, scene.plate.height, scene.outlines).buffer(2 * (x[1] - x[0]))
+    near = scene.part.body.buffer(2 * (x[1] - x[0]))
     sigma_I[~shapely.contains_xy(near, *np.meshgrid((x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2))] = np.nan
     return StressField(sigma_I, extent, True)
 

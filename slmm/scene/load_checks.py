@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from slmm.part.edges import Array, Edges
+from slmm.scene.loading import Load
 
 #: share of an edge below which its material does not count; chosen
 LEAST = 1e-4
 #: force and moment of a uniform stress on top and bottom that may be left, over the force; the curves' polygons are
 #: this far off their crossings with an edge, at most
 UNBALANCED = 1e-4
-
-
-class Load(Protocol):
-    """Exactly one kind; the others are None."""
-
-    @property
-    def strain(self) -> tuple[float, float, float] | None:
-        """e_xx, e_yy, g_xy that prescribe the displacements of all four edges."""
-
-    @property
-    def displacement(self) -> float | None:
-        """u_y of the top edge, mm; the bottom edge is held in y, the sides are free."""
-
-    @property
-    def stress(self) -> float | None:
-        """Uniform normal traction on the material of the top and bottom edge, MPa."""
 
 
 def load_problems(load: Load, edges: Edges, width: float, height: float) -> list[str]:

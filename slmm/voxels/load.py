@@ -1,4 +1,4 @@
-"""What loads the voxel model: the kinds of load, and the nodal forces of a stress on its edges."""
+"""What loads the voxel model: the loadings that it knows, and the nodal forces of a stress on its edges."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.scene.load_checks import Load
+from slmm.scene.loading import Affine, Loading, plate_edges
 
 
 @dataclass(frozen=True)
@@ -22,28 +22,38 @@ class Problem:
     traction: bool
 
 
-def pose(load: Load, nx: int, ny: int, height: float, nu: float, E: float) -> Problem:
-    """A load for a plate of voxels of Young's modulus 1; refused unless it is one, and finite."""
-    given = [name for name in ("strain", "displacement", "stress") if getattr(load, name) is not None]
-    if len(given) != 1:
-        raise ValueError(
-            f"load has {given or 'nothing'}: exactly one of strain, displacement, stress is needed"
-        )
-    value = getattr(load, given[0])
-    if not np.isfinite(value).all():
-        raise ValueError(f"load.{given[0]} = {value!r}: must be finite")
+def pose(loading: Loading, nx: int, ny: int, width: float, height: float, nu: float, E: float) -> Problem:
+    """A loading of a plate of voxels of Young's modulus 1.
+
+    Raises
+    ------
+    ValueError
+        When it is none of the three that the solver knows: the whole edge displaced by one strain, bottom and top each
+        displaced in y as one, or pulled there uniformly in y.
+    """
     free_rows = np.ones((2, ny + 1), bool)
     uniaxial = (-nu, 1.0, 0.0)
-    if load.strain is not None:
-        scale = max(abs(e) for e in load.strain) or 1.0
-        e_xx, e_yy, g_xy = (e / scale for e in load.strain)
+    bottom, right, top, left = (loading.at_edge(*edge) for edge in plate_edges(width, height))
+    conditions = {condition for condition in (bottom, right, top, left) if condition in loading.conditions}
+    if conditions != set(loading.conditions):
+        raise ValueError("load: voxels know conditions on the whole edges of a plate alone")
+    if len(conditions) == 4 and loading.strain is not None:
+        scale = max(abs(e) for e in loading.strain) or 1.0
+        e_xx, e_yy, g_xy = (e / scale for e in loading.strain)
         free_rows[:, [0, -1]] = False
         return Problem(scale, (e_xx, e_yy, g_xy), free_rows, False, (), False)
-    if load.displacement is not None:
-        free_rows[1, [0, -1]] = False
-        return Problem(load.displacement / height, uniaxial, free_rows, True, ("x",), False)
-    assert load.stress is not None
-    return Problem(load.stress / E, uniaxial, free_rows, True, ("x", "y", "rotation"), True)
+    if conditions == {bottom, top}:
+        (u_x, low), (u_x_top, high) = bottom.displacement, top.displacement
+        if u_x is None and u_x_top is None and low == Affine() and high == Affine(high.at if high else 0.0):
+            free_rows[1, [0, -1]] = False
+            return Problem(high.at / height, uniaxial, free_rows, True, ("x",), False)
+        pull = top.traction[1]
+        free = bottom.is_held == top.is_held == (False, False)
+        if free and bottom.traction == (0.0, -pull) and top.traction == (0.0, pull):
+            return Problem(pull / E, uniaxial, free_rows, True, ("x", "y", "rotation"), True)
+    raise ValueError(
+        "load: voxels know a strain on all edges, a displacement of the top edge, and a stress on top and bottom"
+    )
 
 
 def apply_traction(loads: NDArray[np.float64], edges: NDArray[np.float64], hx: float) -> None:

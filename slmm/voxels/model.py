@@ -16,7 +16,7 @@ from scipy import ndimage
 
 from slmm.mechanics.stress import plane_stiffness_constants
 from slmm.running.threaded import number_of_threads
-from slmm.scene.load_checks import Load
+from slmm.scene.loading import Load, Loading, plate_loading
 from slmm.voxels import kernels as voxel_kernels
 from slmm.voxels.element import coefficients
 from slmm.voxels.load import Problem, apply_traction, pose
@@ -69,7 +69,7 @@ def solve_voxels(
     width: float,
     height: float,
     nu: float,
-    load: Load,
+    load: Load | Loading,
     E: float = 1.0,
     tol: float = 1e-8,
     max_iterations: int = 200,
@@ -87,10 +87,10 @@ def solve_voxels(
     nu, E : float
         Poisson's ratio and Young's modulus (MPa), or what makes plane stress describe plane strain. E matters
         to a stress load only.
-    load : object with ``strain``, ``displacement`` and ``stress``
-        Exactly one of them is not None. strain: u_x = e_xx x + g_xy y / 2, u_y = g_xy x / 2 + e_yy y on all
-        four edges. displacement: u_y of the top edge in mm, u_y = 0 at the bottom, sides and u_x free.
-        stress: normal traction in MPa on top and bottom, see ``loaded``.
+    load : Loading, or object with ``strain``, ``displacement`` and ``stress``
+        A strain: u_x = e_xx x + g_xy y / 2, u_y = g_xy x / 2 + e_yy y on all four edges. A displacement: u_y of the
+        top edge in mm, u_y = 0 at the bottom, sides and u_x free. A stress: normal traction in MPa on top and bottom,
+        see ``loaded``. Of the short form exactly one is not None.
     tol : float
         Relative residual to reach; see ``VoxelSolution.residual``.
     max_iterations : int
@@ -123,12 +123,14 @@ def solve_voxels(
     stiffness = np.asarray(stiffness)
     _check(stiffness, width, height, nu, E, tol, max_iterations, 1 if degree is None else degree)
     ny, nx = stiffness.shape
+    if not isinstance(load, Loading):
+        load = plate_loading(width, height, load.strain, load.displacement, load.stress)
+    problem = pose(load, nx, ny, width, height, nu, E)
     # in units in which voxels and the stiffest of them are one: far from it, single precision over- or underflows
     unit, stiffest = math.sqrt(width / nx * (height / ny)), float(stiffness.max())
     width, height = width / unit, height / unit
     density = padded_zeros(nx, ny, leading=())
     density[1:-4, 1:-4] = stiffness / stiffest
-    problem = pose(load, nx, ny, height * unit, nu, E)
     if degree is None:
         degree = smoother_degree(width / nx, height / ny, nu)
     edges = np.asarray(stiffness[[0, -1]] if loaded is None else loaded, dtype=float) / stiffest

@@ -13,12 +13,12 @@ from slmm.fem.boundary import (
     boundary_segments,
     crack_nodes,
     path_nodes,
-    plate_body,
     spaced,
 )
 from slmm.fem.element_size import ElementSize, along_path, follow_outline
 from slmm.part import shapes
 from slmm.part.outline import Outline
+from slmm.part.part import Part
 
 WIDTH, HEIGHT = 100.0, 80.0
 
@@ -41,7 +41,7 @@ CASES = {
 
 def boundary(outlines, mouths=(), largest=5.0, angle=0.12):
     """Rings, nodes (n, 2) and segments (n, 2)."""
-    body = plate_body(WIDTH, HEIGHT, outlines)
+    body = Part.plate(WIDTH, HEIGHT, outlines).body
     rings = boundary_pieces(body, outlines, np.reshape(mouths, (-1, 2)))
     size = ElementSize(largest)
     for outline in outlines:
@@ -159,13 +159,6 @@ def test_a_path_keeps_its_nodes_and_gets_more_where_its_surroundings_are_finer()
     assert step[0] < 0.015
     # the mesher follows no sudden change
     assert np.max(step[1:] / step[:-1]) < 1.5 and np.max(step[:-1] / step[1:]) < 1.5
-
-
-def test_notches_that_leave_no_single_body_are_refused():
-    with pytest.raises(ValueError, match="leaves 2 pieces"):
-        plate_body(WIDTH, HEIGHT, [Outline.through(shapes.rectangle((50, 40), (20, 200), 3.0))])
-    with pytest.raises(ValueError, match="leaves 0 pieces"):
-        plate_body(10.0, 10.0, [hole(5, 5, 50)])
 
 
 def test_an_outline_that_runs_clockwise_is_refused():

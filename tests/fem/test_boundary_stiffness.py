@@ -28,9 +28,8 @@ def plate(request):
         scene = gallery.edge_crack(load={"displacement": 0.1})
     else:
         scene = gallery.elliptic_hole(load=LOADS[name])
-    cracks = [np.array(crack.points) for crack in scene.cracks]
-    mesh = plate_mesh(scene.plate.width, scene.plate.height, scene.outlines, cracks=cracks, size_max=12.0)
-    model = PlateModel(mesh, scene)
+    mesh = plate_mesh(scene.part, size_max=12.0)
+    model = PlateModel(mesh, scene.material, scene.loading)
     return model, kind(model)
 
 
@@ -131,7 +130,7 @@ def test_many_loads_at_once_are_each_as_alone(plate):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_rigid_displacement_of_all_edges_needs_no_force(kind):
     scene = gallery.circular_hole()
-    model = PlateModel(plate_mesh(100.0, 100.0, scene.outlines, size_max=12.0), scene)
+    model = PlateModel(plate_mesh(scene.part, size_max=12.0), scene.material, scene.loading)
     boundary = kind(model)
     x, y = model.points[boundary.nodes].T
     motion = np.column_stack([0.3 - 0.01 * y, -0.2 + 0.01 * x])[..., None]

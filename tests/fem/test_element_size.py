@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from slmm.fem.boundary import plate_body
 from slmm.fem.element_size import (
     ACROSS_GAP,
     GROWTH,
@@ -19,6 +18,7 @@ from slmm.fem.element_size import (
 from slmm.fem.mesh import plate_mesh
 from slmm.part import shapes
 from slmm.part.outline import Outline
+from slmm.part.part import Part
 from slmm.scene import gallery
 
 pytest.importorskip("netgen")
@@ -78,7 +78,7 @@ def test_no_edge_turns_more_than_asked_for(name, angle_max):
             Outline.through(shapes.ellipse((100, 70), (20.0, 3.0))),
         ],
     }[name]
-    mesh = plate_mesh(width, height, outlines, angle_max=angle_max)
+    mesh = plate_mesh(Part.plate(width, height, outlines), angle_max=angle_max)
     for k, outline in enumerate(mesh.outlines):
         turn = turns(outline, mesh.edge_s[mesh.edge_outline == k])
         # an edge grows by 17 % on its own length, and its node may miss a jump of the curvature
@@ -91,7 +91,7 @@ def test_a_sharp_root_on_a_long_outline_has_its_share_of_the_elements():
     scene = gallery.v_notch(radius=0.05, opening=30.0)
     (outline,) = scene.outlines
     assert outline.length / 256 > 0.05 * np.radians(150)
-    mesh = plate_mesh(40.0, 120.0, scene.outlines, angle_max=0.12)
+    mesh = plate_mesh(Part.plate(40.0, 120.0, scene.outlines), angle_max=0.12)
     middle = mesh.edge_midpoints()
     centre = np.array([10.0 - 0.05, 60.0])
     on_root = np.abs(np.linalg.norm(middle - centre, axis=1) - 0.05) < 1e-4
@@ -102,7 +102,7 @@ def test_a_sharp_root_on_a_long_outline_has_its_share_of_the_elements():
 @pytest.mark.parametrize("gap", [0.02, 0.5, 5.0])
 def test_edges_in_a_gap_are_half_as_long_as_it_is_wide(gap):
     outlines = [Outline.through(shapes.circle((50 + side * (10 + gap / 2), 50), 10.0)) for side in (-1, 1)]
-    mesh = plate_mesh(100.0, 100.0, outlines)
+    mesh = plate_mesh(Part.plate(100.0, 100.0, outlines))
     # the distance to the other hole at the end of such an edge is up to 10 % larger
     narrow = np.abs(mesh.edge_midpoints() - 50).max(axis=1) < 0.75 * gap
     assert narrow.sum() >= 2 * ACROSS_GAP
@@ -111,7 +111,7 @@ def test_edges_in_a_gap_are_half_as_long_as_it_is_wide(gap):
 
 def test_elements_at_a_crack_tip_and_its_kinks_are_a_thousandth_of_its_length():
     crack = np.array([[0.0, 60.0], [6.0, 60.0], [9.0, 64.0]])
-    mesh = plate_mesh(40.0, 120.0, cracks=[crack])
+    mesh = plate_mesh(Part.plate(40.0, 120.0, cracks=[crack]))
     line = mesh.vertices[mesh.cracks[0]]
     step = np.linalg.norm(np.diff(line, axis=0), axis=1)
     wanted = SINGULAR_SHARE * 11.0
@@ -125,13 +125,13 @@ def test_elements_at_a_crack_tip_and_its_kinks_are_a_thousandth_of_its_length():
 def test_only_corners_of_the_material_are_singular():
     """A square hole's corners are; those of a square peg of material that sticks into it, and those outside, not."""
     hole = gallery.square_hole().outlines
-    mesh = plate_mesh(100.0, 100.0, hole)
+    mesh = plate_mesh(Part.plate(100.0, 100.0, hole))
     at_corner = np.linalg.norm(mesh.edge_midpoints() - [35.0, 35.0], axis=1) < 0.1
     assert edge_lengths(mesh)[at_corner].min() < 1.3 * SINGULAR_SHARE * 30.0
 
     peg = [[20, 20], [80, 20], [80, 80], [55, 80], [55, 60], [45, 60], [45, 80], [20, 80]]
     outline = Outline.of_pieces(shapes.polygon(np.array(peg, dtype=float)))
-    mesh = plate_mesh(100.0, 100.0, [outline])
+    mesh = plate_mesh(Part.plate(100.0, 100.0, [outline]))
     lengths, middle = edge_lengths(mesh), mesh.edge_midpoints()
     salient = np.linalg.norm(middle - [55.0, 60.0], axis=1) < 3
     reentrant = np.linalg.norm(middle - [55.0, 80.0], axis=1) < 3
@@ -139,7 +139,7 @@ def test_only_corners_of_the_material_are_singular():
 
     notch = [[-10, 45], [10, 45], [10, 55], [-10, 55]]
     outside = Outline.of_pieces(shapes.polygon(np.array(notch, dtype=float)))
-    size = all_sizes(8.0, [outside], [], [], None, plate_body(100, 100, [outside]), 0.12)
+    size = all_sizes(8.0, Part.plate(100.0, 100.0, [outside]), [], None, 0.12)
     inner, outer = size(np.array([[10.0, 45.0], [-10.0, 45.0]]))
     assert inner == pytest.approx(SINGULAR_SHARE * 10.0)
     # as small as the gap between the notch's own sides asks for at most
@@ -149,7 +149,7 @@ def test_only_corners_of_the_material_are_singular():
 def test_sizes_at_given_points_of_the_boundary_are_kept():
     at, wanted = np.array([[30.0, 50.0], [50.0, 70.0], [0.0, 20.0]]), np.array([0.05, 0.3, 0.8])
     outline = Outline.through(shapes.circle((50, 50), 20.0))
-    mesh = plate_mesh(100.0, 100.0, [outline], fine_at=(at, wanted))
+    mesh = plate_mesh(Part.plate(100.0, 100.0, [outline]), fine_at=(at, wanted))
     corner = mesh.vertices[mesh.triangles]
     shortest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=-1).min(axis=1)
     nearest = shapely.STRtree(shapely.polygons(corner)).nearest(shapely.points(at))
@@ -175,8 +175,8 @@ def test_a_plate_in_another_size_has_the_same_mesh(factor):
     def sizes(k):
         outline = Outline.through(shapes.ellipse((50 * k, 50 * k), (20 * k, 4 * k), 30.0))
         crack = np.array([[0.0, 20.0], [15.0, 25.0]]) * k
-        body = plate_body(100 * k, 100 * k, [outline])
-        size = all_sizes(8.0 * k, [outline], [crack], [True], None, body, 0.12)
+        part = Part.plate(100 * k, 100 * k, [outline], [crack])
+        size = all_sizes(8.0 * k, part, part.crack_lines, None, 0.12)
         points = np.random.default_rng(0).uniform(0, 100, (200, 2))
         return size(points * k) / k
 

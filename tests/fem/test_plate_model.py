@@ -5,10 +5,10 @@ import sys
 import numpy as np
 import pytest
 
-from slmm.fem.loads import plate_load
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel, SlitModel, factorised, last_block, nested_dissection
 from slmm.scene import gallery
+from slmm.scene.loading import Affine, Condition, Loading, plate_edges
 
 pytest.importorskip("netgen")
 
@@ -16,15 +16,14 @@ SIGMA = 10.0
 
 
 def meshed(scene, path=None, **options):
-    cracks = [np.array(crack.points) for crack in scene.cracks]
-    return plate_mesh(scene.plate.width, scene.plate.height, scene.outlines, path, cracks=cracks, **options)
+    return plate_mesh(scene.part, path, **options)
 
 
 def solved(scene, refinements=0, path=None, **options):
     mesh = meshed(scene, path, **options)
     for _ in range(refinements):
         mesh = mesh.refined()
-    return (PlateModel if path is None else SlitModel)(mesh, scene)
+    return (PlateModel if path is None else SlitModel)(mesh, scene.material, scene.loading)
 
 
 def work_of_load(model):
@@ -171,7 +170,7 @@ def test_stress_and_displacement_are_found_anywhere():
 def test_reactions_balance_the_load(load):
     scene = gallery.elliptic_hole(load=load)
     mesh = meshed(scene)
-    model = PlateModel(mesh, scene)
+    model = PlateModel(mesh, scene.material, scene.loading)
     residual = (model.K @ model.u.ravel()).reshape(-1, 2) - model.load.force
     scale = np.abs(residual).max() + np.abs(model.load.force).max()
     assert np.abs(residual[~model.load.prescribed]).max() < 1e-9 * scale
@@ -209,23 +208,22 @@ def test_supports_of_the_kinds_of_load(load, prescribed, supports):
 
 def test_other_supports_may_be_given():
     """Half a plate with its plane of symmetry at x = 0 is the whole plate."""
-
-    def symmetric(mesh, points, scene):
-        load = plate_load(mesh, points, scene)
-        left = np.abs(points[:, 0]) < 1e-9
-        prescribed = np.zeros_like(load.prescribed)
-        prescribed[left, 0] = True
-        prescribed[np.flatnonzero(left)[np.argmin(points[left, 1])], 1] = True
-        return type(load)(load.force, prescribed, np.zeros_like(load.value), np.zeros_like(prescribed))
-
     whole = gallery.circular_hole(10.0, 60.0, load={"stress": 5.0})
     half = whole.with_(
         plate={"width": 30.0, "height": 60.0},
         holes=[{"shape": "circle", "center": [0.0, 30.0], "radius": 10.0}],
     )
-    model = PlateModel(meshed(half).refined(), half, symmetric)
+    bottom, _, top, left = plate_edges(30.0, 60.0)
+    pulled = (
+        Condition(*left, (Affine(), None)),
+        Condition(*bottom, traction=(0.0, -5.0)),
+        Condition(*top, traction=(0.0, 5.0)),
+    )
+    model = PlateModel(meshed(half).refined(), half.material, Loading(pulled))
     points = np.array([[10.0, 30.0], [15.0, 33.0], [3.0, 45.0]])
-    reference = PlateModel(meshed(whole).refined(), whole).stress(points + np.array([30.0, 0.0]))
+    reference = PlateModel(meshed(whole).refined(), whole.material, whole.loading).stress(
+        points + np.array([30.0, 0.0])
+    )
     assert model.stress(points) == pytest.approx(reference, abs=0.05)
 
 

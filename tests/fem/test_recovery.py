@@ -10,6 +10,7 @@ from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fem.recovery import recovered_stress
 from slmm.mechanics.stress import plane_stiffness_matrix
+from slmm.part.part import Part
 from slmm.scene import gallery
 
 E, NU = 3000.0, 0.3
@@ -110,12 +111,12 @@ def test_where_few_vertices_are_surrounded_the_others_take_their_polynomials():
 def test_stress_beside_kirschs_hole_converges_with_the_third_order():
     scene = gallery.circular_hole(1.0, 20.0, load={"stress": 1.0})
     (outline,) = scene.outlines
-    mesh = plate_mesh(20.0, 20.0, [outline], angle_max=0.4)
+    mesh = plate_mesh(Part.plate(20.0, 20.0, [outline]), angle_max=0.4)
     angle = np.linspace(0, 2 * np.pi, 360, endpoint=False)
     surface, normal = outline.points(angle), outline.normals(angle)
     found = []
     for _ in range(4):
-        model = PlateModel(mesh, scene)
+        model = PlateModel(mesh, scene.material, scene.loading)
         found.append([model.stress(surface), model.stress(surface + 0.5 * normal)])
         mesh = mesh.refined()
     change = np.sqrt(np.mean(np.square(np.diff(found, axis=0)), axis=(2, 3)))
@@ -128,7 +129,9 @@ def test_stress_beside_kirschs_hole_converges_with_the_third_order():
 def test_kirschs_stress_on_the_hole():
     scene = gallery.circular_hole(1.0, 100.0, load={"stress": 1.0})
     (outline,) = scene.outlines
-    model = PlateModel(plate_mesh(100.0, 100.0, [outline], angle_max=0.06), scene)
+    model = PlateModel(
+        plate_mesh(Part.plate(100.0, 100.0, [outline]), angle_max=0.06), scene.material, scene.loading
+    )
     angle = np.linspace(0, 2 * np.pi, 180, endpoint=False)
     xx, yy, xy = model.stress(outline.points(angle)).T
     tx, ty = outline.tangents(angle).T
@@ -141,7 +144,7 @@ def test_the_free_surface_is_free():
     """Nothing in the recovery knows the boundary conditions: what it leaves there is its error."""
     scene = gallery.circular_hole(10.0)
     (outline,) = scene.outlines
-    model = PlateModel(plate_mesh(100.0, 100.0, [outline]), scene)
+    model = PlateModel(plate_mesh(Part.plate(100.0, 100.0, [outline])), scene.material, scene.loading)
     s = np.linspace(0, outline.length, 100, endpoint=False)
     xx, yy, xy = model.stress(outline.points(s)).T
     (nx, ny), largest = outline.normals(s).T, np.abs(yy).max()
@@ -154,7 +157,9 @@ def test_faces_of_a_crack_share_no_patch():
     scene = gallery.edge_crack(
         plate={"width": 40.0, "height": 20.0}, cracks=[{"points": crack}], load={"strain": [0.0, 0.0, 0.01]}
     )
-    model = PlateModel(plate_mesh(40.0, 20.0, cracks=[np.array(crack)]), scene)
+    model = PlateModel(
+        plate_mesh(Part.plate(40.0, 20.0, cracks=[np.array(crack)])), scene.material, scene.loading
+    )
     x, y = model.points.T
     face = np.flatnonzero((np.abs(y - 10) < 1e-12) & (x < 9) & (x > 2))
     face = face[np.argsort(x[face], kind="stable")].reshape(-1, 2)

@@ -10,6 +10,7 @@ from slmm.fem.mesh import plate_mesh
 from slmm.fem.slit import open_slits, split_vertices
 from slmm.part import shapes
 from slmm.part.outline import Outline
+from slmm.part.part import Part
 
 pytest.importorskip("netgen")
 
@@ -94,7 +95,7 @@ def opened():
     # a crack's tip has elements of a thousandth of its length: the path goes on with such
     depth = np.concatenate([[0.0], 0.005 * np.cumsum(1.25 ** np.arange(25))])
     path = np.array([70.0, 40.0]) + depth[:, None] * [0.8, 0.6]
-    mesh = plate_mesh(100.0, 80.0, [outline], path, cracks=cracks)
+    mesh = plate_mesh(Part.plate(100.0, 80.0, [outline], cracks=cracks), path)
     return mesh, open_slits(mesh)
 
 
@@ -165,14 +166,14 @@ def test_a_path_from_a_sharp_corner():
     outline = Outline.of_pieces(shapes.polygon([[30, 30], [70, 30], [70, 50], [30, 50]]))
     depth = np.concatenate([[0.0], 0.02 * np.cumsum(1.25 ** np.arange(15))])
     path = np.array([70.0, 50.0]) + depth[:, None] * [0.6, 0.8]
-    mesh = plate_mesh(100.0, 80.0, [outline], path)
+    mesh = plate_mesh(Part.plate(100.0, 80.0, [outline]), path)
     slit = open_slits(mesh)
     assert np.bincount(slit.origin)[mesh.path].tolist() == [2] * (len(path) - 1) + [1]
     assert slit.mesh.doflocs.T[slit.right[0]] == pytest.approx([70.0, 50.0])
 
 
 def test_without_slits_the_mesh_is_what_it_was():
-    mesh = plate_mesh(10.0, 8.0, size_max=2.0)
+    mesh = plate_mesh(Part.plate(10.0, 8.0), size_max=2.0)
     slit = open_slits(mesh)
     assert np.array_equal(slit.mesh.p.T[: len(mesh.vertices)], mesh.vertices)
     assert np.array_equal(slit.mesh.t.T, np.sort(mesh.triangles, axis=1))

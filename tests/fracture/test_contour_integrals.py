@@ -1,7 +1,5 @@
 """J and K of fields that are known exactly: given at the nodes, or solved for in plates."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -14,6 +12,8 @@ from slmm.fracture.tips import find_crack_tips
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import linear_elastic
 from slmm.mechanics.material import Material
+from slmm.part.part import Part
+from slmm.scene.loading import plate_loading
 
 STEEL = Elasticity(210e3, 0.3)
 PMMA = Material.from_name("PMMA")
@@ -87,14 +87,8 @@ def test_a_stress_along_the_crack_and_k_ii_meet_in_the_energy_of_the_faces():
 
 
 def plate_results(crack, width=80.0, height=80.0, **load):
-    scene = SimpleNamespace(
-        plate=SimpleNamespace(width=width, height=height, thickness=1.0),
-        outlines=(),
-        cracks=(),
-        material=PMMA,
-        load=SimpleNamespace(**({"strain": None, "displacement": None, "stress": None} | load)),
-    )
-    return PlateModel(plate_mesh(width, height, (), cracks=[np.array(crack)]), scene).results
+    mesh = plate_mesh(Part.plate(width, height, cracks=[crack]))
+    return PlateModel(mesh, PMMA, plate_loading(width, height, **load)).results
 
 
 def test_domains_that_reach_past_what_is_clear_are_refused():

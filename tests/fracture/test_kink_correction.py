@@ -1,7 +1,5 @@
 """An increment that is turned until J points along it."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -9,20 +7,18 @@ from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fracture.kink_correction import corrected_kink
 from slmm.mechanics.material import Material
+from slmm.part.part import Part
+from slmm.scene.loading import plate_loading
 
 PMMA = Material.from_name("PMMA")
 WIDTH, CRACK = 300.0, np.array([[143.0, 143.0], [157.0, 157.0]])
 
 
 def solver(strain):
-    scene = SimpleNamespace(
-        plate=SimpleNamespace(width=WIDTH, height=WIDTH, thickness=1.0),
-        outlines=(),
-        cracks=(),
-        material=PMMA,
-        load=SimpleNamespace(strain=strain, displacement=None, stress=None),
+    loading = plate_loading(WIDTH, WIDTH, strain=strain)
+    return lambda crack: (
+        PlateModel(plate_mesh(Part.plate(WIDTH, WIDTH, cracks=[crack])), PMMA, loading).results
     )
-    return lambda crack: PlateModel(plate_mesh(WIDTH, WIDTH, (), cracks=[crack]), scene).results
 
 
 def test_the_increment_of_an_inclined_crack_turns_to_the_exact_kink():

@@ -1,7 +1,6 @@
 """The loading of all crack tips of a model: what is known, what is not, and why."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,21 +11,16 @@ from slmm.fracture.loading import CLOSED, CRITERIA, NO_ELASTICITY, OK, crack_tip
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import linear_elastic
 from slmm.mechanics.material import Material
+from slmm.part.part import Part
+from slmm.scene.loading import plate_loading
 
 PMMA = Material.from_name("PMMA")
 
 
 def cracked_plate(crack=((0.0, 40.0), (20.0, 40.0)), thickness=1.0, height=80.0, **load):
-    scene = SimpleNamespace(
-        plate=SimpleNamespace(width=80.0, height=height, thickness=thickness),
-        outlines=(),
-        cracks=(),
-        material=PMMA,
-        load=SimpleNamespace(
-            **({"strain": None, "displacement": None, "stress": None} | (load or {"stress": 1.0}))
-        ),
-    )
-    return PlateModel(plate_mesh(80.0, height, (), cracks=[np.array(crack)]), scene).results
+    mesh = plate_mesh(Part.plate(80.0, height, cracks=[crack]))
+    loading = plate_loading(80.0, height, **(load or {"stress": 1.0}))
+    return PlateModel(mesh, PMMA, loading, thickness).results
 
 
 def test_an_edge_crack_in_tension_runs_straight_on():

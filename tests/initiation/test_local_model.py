@@ -6,6 +6,7 @@ import pytest
 
 from slmm.initiation.local_model import bilinear, grid_size, solve_local_model
 from slmm.mechanics.material import Material
+from slmm.scene.loading import plate_loading
 
 
 class Circle:
@@ -21,12 +22,11 @@ HOLE = Circle(50, 50, 20)
 
 
 def plate(load=None, thickness=1.0, void=1e-6, material=None, outlines=(HOLE,)):
-    given = {"strain": None, "displacement": None, "stress": None, **(load or {"strain": (0.0, 0.1, 0.0)})}
     return SimpleNamespace(
         plate=SimpleNamespace(width=100.0, height=100.0, thickness=thickness),
         outlines=outlines,
         material=material or Material.from_name("PMMA"),
-        load=SimpleNamespace(**given),
+        loading=plate_loading(100.0, 100.0, **(load or {"strain": (0.0, 0.1, 0.0)})),
         analysis=SimpleNamespace(void_stiffness=void),
     )
 

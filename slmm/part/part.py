@@ -1,0 +1,163 @@
+"""A part: its outer edge, the holes and notches in it, and its cracks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from slmm.part.crack import TIP, Crack, End, joined, located, surface_at, touched
+from slmm.part.outline import Outline
+
+Array = NDArray[np.float64]
+
+#: lengths below this share of the part's larger side count as zero
+TOLERANCE = 1e-5
+#: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least
+OUTLINE_SAMPLES = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Geometry alone: where there is material, and which faces are free inside it.
+
+    Parameters
+    ----------
+    outer : ndarray, shape (n, 2)
+        Corners of the outer edge, counter-clockwise, mm; straight between them.
+    holes : tuple of Outline
+        Holes, and notches that cut the outer edge.
+    cracks : tuple of Crack
+    thickness : float
+        mm.
+
+    Examples
+    --------
+    >>> part = Part.plate(40.0, 120.0, cracks=[[(0, 60), (20, 60)]])
+    >>> part.cracks[0].start.kind, part.cracks[0].end.kind, part.is_severed
+    ('surface', 'tip', False)
+    >>> part.with_crack([(20, 60), (40, 60)]).is_severed
+    True
+    """
+
+    outer: Array
+    holes: tuple[Outline, ...] = ()
+    cracks: tuple[Crack, ...] = ()
+    thickness: float = 1.0
+
+    @classmethod
+    def plate(
+        cls,
+        width: float,
+        height: float,
+        holes: Sequence[Outline] = (),
+        cracks: Sequence[ArrayLike] = (),
+        thickness: float = 1.0,
+    ) -> Part:
+        """A rectangle with its lower left corner at (0, 0), mm.
+
+        Parameters
+        ----------
+        width, height : float
+        holes : sequence of Outline
+        cracks : sequence of array_like, shape (n, 2)
+            Points of each crack; an end that lies on a surface, or beyond one, is no tip.
+        thickness : float
+
+        Raises
+        ------
+        ValueError
+            When the holes cut the plate in pieces or leave nothing of it, or a crack does not run through the material
+            in one piece.
+        """
+        corners = np.array([(width, 0.0), (width, height), (0.0, height), (0.0, 0.0)])
+        whole = cls(corners, tuple(holes), (), thickness)
+        return whole.with_cracks(cracks) if len(cracks) else whole
+
+    @property
+    def box(self) -> Array:
+        """Lower left and upper right corner (2, 2) of the rectangle around it, mm."""
+        return np.array([self.outer.min(axis=0), self.outer.max(axis=0)])
+
+    @property
+    def tolerance(self) -> float:
+        """Lengths below this count as zero, mm."""
+        return TOLERANCE * float(np.ptp(self.outer, axis=0).max())
+
+    @cached_property
+    def body(self) -> shapely.Polygon:
+        """The part without its holes, as a polygon; each outline has at least `OUTLINE_SAMPLES` chords.
+
+        Raises
+        ------
+        ValueError
+            When the holes cut it in pieces or leave nothing of it.
+        """
+        notches = [shapely.Polygon(hole.polygon(OUTLINE_SAMPLES)) for hole in self.holes]
+        body = shapely.Polygon(self.outer).difference(shapely.union_all(notches))
+        if body.geom_type != "Polygon" or body.is_empty:
+            (left, bottom), (right, top) = self.box
+            raise ValueError(
+                f"a part of {right - left:g} x {top - bottom:g} mm with {len(self.holes)} notches leaves "
+                f"{len(getattr(body, 'geoms', []))} pieces: it must leave exactly one"
+            )
+        return body
+
+    @cached_property
+    def tips(self) -> list[Array]:
+        """For each crack tip the line (n, 2) that leads there, mm, the tip last; in the order of the cracks."""
+        return [line for crack in self.cracks for line in crack.tips]
+
+    @cached_property
+    def crack_lines(self) -> list[Array]:
+        """Points (n, 2) of each crack, mm, those among them where it meets another one."""
+        return joined(self.cracks, self.tolerance)
+
+    @cached_property
+    def pieces(self) -> list[shapely.Polygon]:
+        """What the cracks leave of the body, each as a polygon; one if it hangs together."""
+        if not self.cracks:
+            return [self.body]
+        beyond = 3 * self.tolerance
+        lines = []
+        for crack, line in zip(self.cracks, self.crack_lines, strict=True):
+            ends = [line[0], line[-1]]
+            for k, (end, inner) in enumerate(((crack.start, line[1]), (crack.end, line[-2]))):
+                along = ends[k] - inner
+                if end != TIP:  # round-off must not leave a bridge
+                    ends[k] = ends[k] + beyond * along / np.linalg.norm(along)
+            lines.append(shapely.LineString([ends[0], *line[1:-1], ends[1]]))
+        net = shapely.union_all([self.body.boundary, *lines])
+        faces = shapely.get_parts(shapely.polygonize([net]))
+        inside = [face for face in faces if self.body.covers(face.representative_point())]
+        return [face for face in inside if 2 * face.area / face.length > self.tolerance]
+
+    @property
+    def is_severed(self) -> bool:
+        """Whether the cracks cut it in pieces."""
+        return len(self.pieces) > 1
+
+    def end_at(self, point: Array) -> End:
+        """What a crack would end at whose last point (2,) this is."""
+        end, _ = surface_at(point, shapely.LinearRing(self.outer), self.holes, self.tolerance)
+        if end != TIP:
+            return end
+        number = touched(point, [crack.points for crack in self.cracks], self.tolerance)
+        return TIP if number is None else End("crack", number)
+
+    def with_crack(self, points: ArrayLike) -> Part:
+        """The part with one more crack along points (n, 2), mm.
+
+        One that begins at a tip goes on from there: it is no tip any more.
+        """
+        return self.with_cracks([points])
+
+    def with_cracks(self, more: Sequence[ArrayLike]) -> Part:
+        """The part with more cracks, see `with_crack`."""
+        lines = [crack.points for crack in self.cracks] + [np.asarray(line, dtype=float) for line in more]
+        outer = shapely.LinearRing(self.outer)
+        return replace(self, cracks=located(lines, self.body, outer, self.holes, self.tolerance))

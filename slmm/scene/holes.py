@@ -1,0 +1,188 @@
+"""Holes and notches as tables of a scene file, each of which knows its outlines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from slmm.part import shapes
+from slmm.part.outline import Outline
+from slmm.part.points import point_problems, polygon_problems, read_points, without_repetition
+from slmm.scene.values import Angle, File, Length, Number, PlanePoint, PlanePoints, Radius, Table, exactly_one
+
+#: radius over the length of the outline down to which a spline through points can follow a rounded corner
+SHARPEST_OF_SPLINE = 7e-4
+
+
+class Plate(Table):
+    """Rectangular plate with its lower left corner at (0, 0); mm."""
+
+    width: Length
+    height: Length
+    thickness: Length = 1.0
+
+
+class CircleHole(Table):
+    """Circular hole; centre and radius in mm."""
+
+    shape: Literal["circle"]
+    center: PlanePoint
+    radius: Length
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        return [Outline.through(shapes.circle(self.center, self.radius))]
+
+
+class EllipseHole(Table):
+    """Elliptic hole; centre and semi-axes in mm, turned counter-clockwise by an angle in degrees."""
+
+    shape: Literal["ellipse"]
+    center: PlanePoint
+    semi_axes: tuple[Length, Length]
+    angle: Angle = 0.0
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        return [Outline.through(shapes.ellipse(self.center, self.semi_axes, self.angle))]
+
+
+class RectangleHole(Table):
+    """Rectangular hole, its corners round or (radius 0) sharp; mm, turned counter-clockwise by degrees."""
+
+    shape: Literal["rectangle"]
+    center: PlanePoint
+    size: tuple[Length, Length]
+    corner_radius: Number
+    angle: Angle = 0.0
+
+    @model_validator(mode="after")
+    def _corners_fit(self) -> Self:
+        half = min(self.size) / 2
+        if not 0 <= self.corner_radius <= half:
+            raise ValueError(
+                f"corner_radius = {self.corner_radius:g}: must be at least 0, for sharp corners, and at most half"
+                f" the smaller side, {half:g}"
+            )
+        return self
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        if self.corner_radius < SHARPEST_OF_SPLINE * 2 * sum(self.size):
+            corners = shapes.rectangle_corners(self.center, self.size, self.angle)
+            return [Outline.of_pieces(shapes.polygon(corners, self.corner_radius))]
+        points = shapes.rectangle(self.center, self.size, self.corner_radius, self.angle)
+        # The curvature jumps where side and corner meet, and an interpolating spline would overshoot by 29 %;
+        # this trace of smoothing leaves 5 % and moves the outline by 1e-4 radii.
+        return [Outline.through(points, smoothing=1.6e-5 * self.corner_radius)]
+
+
+class PolygonHole(Table):
+    """Hole with straight sides between its corners (mm), which are sharp or rounded by tangent arcs."""
+
+    shape: Literal["polygon"]
+    points: Annotated[PlanePoints, Field(min_length=3)]
+    corner_radius: Radius = 0.0
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        corners = np.array(self.points, dtype=float)
+        problems = polygon_problems(corners)
+        if problems:
+            raise ValueError("; ".join(problems))
+        return [Outline.of_pieces(shapes.polygon(without_repetition(corners), self.corner_radius))]
+
+
+class VNotchHole(Table):
+    """V-notch with straight flanks and a sharp or round root; mm and degrees.
+
+    ``tip`` is where the notch's surface meets its bisector, ``direction`` where the notch points to from its mouth
+    (0 is along x), ``opening`` the angle between the flanks; 0 is a U-notch and needs a ``radius``. Without a
+    ``depth`` it runs out of the plate; with one it has a straight back side, at that distance from the tip.
+    """
+
+    shape: Literal["v-notch"]
+    tip: PlanePoint
+    direction: Angle
+    opening: Annotated[Number, Field(ge=0, lt=180)]
+    radius: Radius = 0.0
+    depth: Length | None = None
+
+    @model_validator(mode="after")
+    def _has_a_width_and_flanks(self) -> Self:
+        if self.opening == 0 and self.radius == 0:
+            raise ValueError("opening = 0: a notch with parallel flanks needs a radius, half its width")
+        root = shapes.root_depth(self.opening, self.radius)
+        if self.depth is not None and self.depth <= root:
+            raise ValueError(
+                f"depth = {self.depth:g}: must be greater than {root:.6g}, where the flanks begin behind the root"
+            )
+        return self
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        depth = self._depth_beyond(plate) if self.depth is None else self.depth
+        return [Outline.of_pieces(shapes.v_notch(self.tip, self.direction, self.opening, self.radius, depth))]
+
+    def _depth_beyond(self, plate: Plate) -> float:
+        """Depth at which the whole back side lies outside the plate."""
+        angle = np.radians(self.direction)
+        corners = np.array([(x, y) for x in (0.0, plate.width) for y in (0.0, plate.height)])
+        farthest = float(np.max((np.array(self.tip) - corners) @ (np.cos(angle), np.sin(angle))))
+        margin = 0.05 * max(plate.width, plate.height)
+        return max(farthest, shapes.root_depth(self.opening, self.radius)) + margin
+
+
+class PointsHole(Table):
+    """Hole with a smooth outline through points (mm) that are listed or come from a file."""
+
+    shape: Literal["points"]
+    points: PlanePoints | None = None
+    file: File | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        exactly_one(self, ("points", "file"))
+        return self
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """Its outline, as a list of one."""
+        points = np.array(self.points, dtype=float) if self.file is None else read_points(Path(self.file))
+        problems = point_problems(points.reshape(-1, 2))
+        if problems:
+            raise ValueError("; ".join(problems))
+        return [Outline.through(without_repetition(points))]
+
+
+class ImageHole(Table):
+    """All dark areas of a picture that covers the plate; pixel size in mm."""
+
+    shape: Literal["image"]
+    file: File
+    pixel_size: Length
+
+    def outlines(self, plate: Plate) -> list[Outline]:
+        """The outlines of all its dark areas."""
+        from slmm.part.image import outlines_in_picture  # brings scikit-image
+
+        return outlines_in_picture(Path(self.file), self.pixel_size, plate.width, plate.height)
+
+
+Hole = Annotated[
+    CircleHole | EllipseHole | RectangleHole | PolygonHole | VNotchHole | PointsHole | ImageHole,
+    Field(discriminator="shape"),
+]
+
+#: by their names in the file
+HOLES: dict[str, type[Table]] = {
+    "circle": CircleHole,
+    "ellipse": EllipseHole,
+    "rectangle": RectangleHole,
+    "polygon": PolygonHole,
+    "v-notch": VNotchHole,
+    "points": PointsHole,
+    "image": ImageHole,
+}

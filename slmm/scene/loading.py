@@ -1,0 +1,201 @@
+"""What holds and moves a part: conditions on stretches of its outer edge.
+
+The short forms of a plate's load become such conditions here, and nowhere else. Voxels, body-fitted models and all that
+asks which edges are held read these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Point = tuple[float, float]
+
+#: nodes as near to a stretch lie on it, as a share of its length; round-off
+ON_STRETCH = 1e-9
+
+
+class Load(Protocol):
+    """The short form of a plate's load: exactly one kind; the others are None."""
+
+    @property
+    def strain(self) -> tuple[float, float, float] | None:
+        """e_xx, e_yy, g_xy that prescribe the displacements of all four edges."""
+
+    @property
+    def displacement(self) -> float | None:
+        """u_y of the top edge, mm; the bottom edge is held in y, the sides are free."""
+
+    @property
+    def stress(self) -> float | None:
+        """Uniform normal traction on the material of the top and bottom edge, MPa."""
+
+
+class Affine(NamedTuple):
+    """A displacement component that is linear in the place: ``at + by_x x + by_y y``, mm."""
+
+    at: float = 0.0
+    by_x: float = 0.0
+    by_y: float = 0.0
+
+    def __call__(self, points: Array) -> Array:
+        """Values (n,) at points (n, 2), mm."""
+        x, y = points.T
+        return self.at + self.by_x * x + self.by_y * y
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What acts along a straight stretch of the outer edge.
+
+    Parameters
+    ----------
+    start, end : (float, float)
+        The stretch, counter-clockwise, mm.
+    displacement : (Affine or None, Affine or None)
+        What u_x and u_y are there; None is free.
+    traction : (float, float)
+        MPa, in the directions that are free.
+    """
+
+    start: Point
+    end: Point
+    displacement: tuple[Affine | None, Affine | None] = (None, None)
+    traction: Point = (0.0, 0.0)
+
+    @property
+    def length(self) -> float:
+        """Of the stretch, mm."""
+        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+
+    @property
+    def is_held(self) -> tuple[bool, bool]:
+        """Whether u_x and u_y are prescribed."""
+        return self.displacement[0] is not None, self.displacement[1] is not None
+
+    def on(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (n, 2) lie on the stretch."""
+        start, length = np.array(self.start), self.length
+        along = (np.array(self.end) - start) / length
+        (dx, dy), near = (points - start).T, ON_STRETCH * length
+        s = dx * along[0] + dy * along[1]
+        return (np.abs(dx * along[1] - dy * along[0]) < near) & (s > -near) & (s < length + near)
+
+
+@dataclass(frozen=True)
+class Loading:
+    """Conditions on a part; what none of them names is free of traction.
+
+    Where they leave a rigid motion free, the forces must balance, and the motion is of no importance.
+
+    Parameters
+    ----------
+    conditions : tuple of Condition
+
+    Examples
+    --------
+    >>> pulled = plate_loading(40.0, 120.0, stress=5.0)
+    >>> [(condition.start, condition.traction) for condition in pulled]
+    [((0.0, 0.0), (0.0, -5.0)), ((40.0, 120.0), (0.0, 5.0))]
+    """
+
+    conditions: tuple[Condition, ...]
+
+    def __iter__(self) -> Iterator[Condition]:
+        return iter(self.conditions)
+
+    def at_edge(self, start: Point, end: Point) -> Condition:
+        """The condition on a whole edge from one corner to the next; a free one where there is none."""
+        for condition in self:
+            if condition.start == start and condition.end == end:
+                return condition
+        return Condition(start, end)
+
+    @property
+    def strain(self) -> tuple[float, float, float] | None:
+        """e_xx, e_yy, g_xy of displacements that are the same linear function wherever anything is prescribed.
+
+        None where they are not one function, or nothing is prescribed.
+        """
+        fields = {condition.displacement for condition in self}
+        if len(fields) != 1:
+            return None
+        u_x, u_y = fields.pop()
+        if u_x is None or u_y is None:
+            return None
+        return u_x.by_x, u_y.by_y, u_x.by_y + u_y.by_x
+
+    def nominal_stress(self, E: float) -> float:
+        """Largest stress that the load would cause in a part without notches, about, MPa."""
+        traction = max((float(np.abs(condition.traction).max()) for condition in self), default=0.0)
+        if self.strain is not None:
+            return max(traction, E * float(np.abs(self.strain).max()))
+        moved = [
+            (component.at, 0.5 * (np.array(condition.start) + condition.end))
+            for condition in self
+            for component in condition.displacement
+            if component is not None
+        ]
+        stretches = [
+            abs(one - other) / np.linalg.norm(here - there)
+            for one, here in moved
+            for other, there in moved
+            if one != other
+        ]
+        return max(traction, E * float(max(stretches, default=0.0)))
+
+
+def plate_loading(
+    width: float,
+    height: float,
+    strain: Sequence[float] | None = None,
+    displacement: float | None = None,
+    stress: float | None = None,
+) -> Loading:
+    """The short form of a load on a plate with its lower left corner at (0, 0), as conditions on its edges.
+
+    Parameters
+    ----------
+    width, height : float
+        mm.
+    strain : (e_xx, e_yy, g_xy), optional
+        All four edges are displaced by u_x = e_xx x + g_xy y / 2, u_y = g_xy x / 2 + e_yy y.
+    displacement : float, optional
+        u_y of the top edge, mm; the bottom edge is held in y, the sides are free.
+    stress : float, optional
+        Uniform tension on the top and the bottom edge, MPa.
+
+    Raises
+    ------
+    ValueError
+        When it is not one kind, or not finite.
+    """
+    kinds = {"strain": strain, "displacement": displacement, "stress": stress}
+    given = {name: value for name, value in kinds.items() if value is not None}
+    if len(given) != 1:
+        raise ValueError(
+            f"load has {list(given) or 'nothing'}: exactly one of strain, displacement, stress is needed"
+        )
+    for name, value in given.items():
+        if not np.isfinite(value).all():
+            raise ValueError(f"load.{name} = {value!r}: must be finite")
+    bottom, right, top, left = plate_edges(width, height)
+    if strain is not None:
+        e_xx, e_yy, g_xy = strain
+        field = Affine(0.0, e_xx, g_xy / 2), Affine(0.0, g_xy / 2, e_yy)
+        return Loading(tuple(Condition(*edge, field) for edge in (bottom, right, top, left)))
+    if displacement is not None:
+        return Loading((Condition(*bottom, (None, Affine())), Condition(*top, (None, Affine(displacement)))))
+    assert stress is not None
+    return Loading((Condition(*bottom, traction=(0.0, -stress)), Condition(*top, traction=(0.0, stress))))
+
+
+def plate_edges(width: float, height: float) -> tuple[tuple[Point, Point], ...]:
+    """Bottom, right, top and left edge of a plate, each from its start to its end, counter-clockwise, mm."""
+    corners = ((0.0, 0.0), (width, 0.0), (width, height), (0.0, height))
+    return tuple((corner, corners[(k + 1) % 4]) for k, corner in enumerate(corners))

@@ -1,0 +1,114 @@
+"""A part and its cracks: where they end, where they meet, and whether they sever it."""
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from slmm.part import shapes
+from slmm.part.crack import TIP, End
+from slmm.part.outline import Outline
+from slmm.part.part import Part
+
+EDGE = End("surface")
+
+
+def hole(x, y, radius):
+    return Outline.through(shapes.circle((x, y), radius))
+
+
+PLATE = Part.plate(100.0, 80.0, [hole(50, 40, 20)])
+
+
+def test_notches_that_leave_no_single_body_are_refused():
+    bar = Outline.through(shapes.rectangle((50, 40), (20, 200), 3.0))
+    with pytest.raises(ValueError, match="leaves 2 pieces"):
+        _ = Part.plate(100.0, 80.0, [bar]).body
+    with pytest.raises(ValueError, match="leaves 0 pieces"):
+        _ = Part.plate(10.0, 10.0, [hole(5, 5, 50)]).body
+
+
+@pytest.mark.parametrize(
+    ("points", "ends", "first", "last"),
+    [
+        ([(10, 10), (20, 10)], (TIP, TIP), (10, 10), (20, 10)),
+        ([(0, 10), (20, 10)], (EDGE, TIP), (0, 10), (20, 10)),
+        ([(20, 10), (0, 10)], (TIP, EDGE), (20, 10), (0, 10)),
+        ([(0, 40), (30, 40)], (EDGE, End("surface", 0)), (0, 40), (30, 40)),
+        # what lies in the hole is no crack
+        ([(50, 40), (80, 40)], (End("surface", 0), TIP), (70, 40), (80, 40)),
+        ([(0, 40), (45, 40)], (EDGE, End("surface", 0)), (0, 40), (30, 40)),
+        # near enough
+        ([(0.0004, 10), (20, 10)], (EDGE, TIP), (0, 10), (20, 10)),
+        ([(0, 40), (29.9996, 40)], (EDGE, End("surface", 0)), (0, 40), (30, 40)),
+        ([(0.01, 10), (20, 10)], (TIP, TIP), (0.01, 10), (20, 10)),
+    ],
+)
+def test_the_ends_of_a_crack_are_what_they_lie_on(points, ends, first, last):
+    (crack,) = PLATE.with_crack(points).cracks
+    assert (crack.start, crack.end) == ends
+    assert crack.points[0] == pytest.approx(first, abs=1e-6) and crack.points[-1] == pytest.approx(
+        last, abs=1e-6
+    )
+    assert [tuple(line[-1]) for line in crack.tips] == [
+        tuple(crack.points[k]) for k, end in zip((0, -1), ends, strict=True) if end == TIP
+    ]
+
+
+def test_a_crack_from_the_tip_of_another_leaves_no_tip_there():
+    part = PLATE.with_crack([(0, 10), (20, 10)]).with_crack([(20, 10), (30, 15)])
+    first, second = part.cracks
+    assert (first.start, first.end) == (EDGE, End("crack", 1))
+    assert (second.start, second.end) == (End("crack", 0), TIP)
+    assert [line[-1].tolist() for line in part.tips] == [[30.0, 15.0]]
+    assert part.end_at(np.array([25.0, 12.5])) == End("crack", 1)
+
+
+def test_cracks_have_a_common_point_where_they_meet_or_cross():
+    part = Part.plate(
+        100.0, 80.0, cracks=[[(10, 40), (50, 40)], [(30, 20), (30, 60)], [(20, 40.0003), (20, 70)]]
+    )
+    one, across, on_one = part.crack_lines
+    assert one.tolist() == [[10, 40], [20, 40], [30, 40], [50, 40]]
+    assert across.tolist() == [[30, 20], [30, 40], [30, 60]]
+    assert part.cracks[2].start == End("crack", 0) and on_one[0].tolist() == [20, 40]
+    assert len(part.tips) == 5
+
+
+@pytest.mark.parametrize(
+    ("cracks", "pieces"),
+    [
+        ([[(0, 60), (100, 60)]], 2),
+        ([[(0, 40), (30, 40)]], 1),
+        ([[(0, 40), (30, 40)], [(70, 40), (100, 40)]], 2),
+        ([[(0, 10), (20, 10)], [(20, 10), (20, 0)]], 2),
+        ([[(0, 10), (20, 10)], [(15, 5), (15, 0)]], 1),
+        ([[(0, 10), (20, 10)], [(15, 20), (15, 0)]], 2),
+        ([[(10, 65), (20, 65)], [(20, 65), (20, 75)], [(20, 75), (10, 65)]], 2),
+        ([[(50, 60), (50, 80)], [(50, 0), (50, 20)], [(0, 40), (30, 40)]], 3),
+    ],
+)
+def test_severed_parts_know_their_pieces(cracks, pieces):
+    part = Part.plate(100.0, 80.0, [hole(50, 40, 20)], cracks)
+    assert len(part.pieces) == pieces and part.is_severed == (pieces > 1)
+    assert sum(piece.area for piece in part.pieces) == pytest.approx(part.body.area, rel=1e-9)
+
+
+@given(
+    start=st.tuples(st.floats(1, 99), st.floats(1, 79)),
+    end=st.tuples(st.floats(1, 99), st.floats(1, 79)),
+)
+def test_a_crack_inside_never_severs_and_one_that_is_turned_round_is_the_same(start, end):
+    if np.hypot(end[0] - start[0], end[1] - start[1]) < 1:
+        return
+    part = Part.plate(100.0, 80.0, cracks=[[start, end]])
+    assert not part.is_severed and part.cracks[0].start == part.cracks[0].end == TIP
+    turned = Part.plate(100.0, 80.0, cracks=[[end, start]])
+    assert np.array_equal(turned.cracks[0].points, part.cracks[0].points[::-1])
+    assert shapely.equals(turned.body, part.body)
+
+
+def test_a_crack_in_two_stretches_is_refused():
+    with pytest.raises(ValueError, match="in one piece"):
+        PLATE.with_crack([(10, 40), (90, 40)])
