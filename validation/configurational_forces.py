@@ -160,11 +160,11 @@ def moved_node(name: str) -> float:
 def block(name: str, *edges: list[float]) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (n, d) and cells (el, k) of a grid whose lines are given, each of its cells cut into elements of a type."""
     element = ELEMENTS[name]
-    d, corners = element.dimension, len(element.nodes)
+    d = element.dimension
     unit, one = np.eye(d), np.ones(d)
     if element.nodes.min() < 0:
         pieces = [(element.nodes + 1) / 2]
-    elif corners in (4, 10):
+    elif d == 3 and element.corners == 4:
         # six tetrahedra, each along the edges in another order; every second one the other way round
         walks = [np.cumsum(unit[list(order)], axis=0) for order in permutations(range(3))]
         pieces = [element.nodes @ (w if np.linalg.det(w) > 0 else w[[1, 0, 2]]) for w in walks]

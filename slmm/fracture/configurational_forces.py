@@ -29,8 +29,9 @@ from slmm.fracture.configurational_kernels import (
     forces_2d,
     forces_3d,
 )
+from slmm.mechanics.element import DEGENERATE, Element
 from slmm.mechanics.element_results import METHODS
-from slmm.mechanics.elements import DEGENERATE, Element, element_named
+from slmm.mechanics.elements import element_named
 from slmm.mechanics.kinematics import deformation_gradients, piola_stresses
 from slmm.results.neighbourhood import rings
 

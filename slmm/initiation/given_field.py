@@ -13,13 +13,15 @@ import shapely
 
 from slmm.initiation.local_model import Raster, rasterised
 from slmm.initiation.positions import Positions
-from slmm.results.field import ELEMENTS, DisplacementField
+from slmm.results.field import DisplacementField
+from slmm.results.plane_elements import PLANE_ELEMENTS
 from slmm.results.results import read_displacements
 from slmm.scene.scene import Scene
 
-#: voxels along the longest edge of an element that resolve displacements as well. On meshes solved with each type, as
-#: coarse as that lets them be, the critical failure index of a circular hole was low by 2 %, with "triangle" by 3 %
-VOXELS_PER_EDGE = {"triangle": 1, "quad": 1, "triangle6": 4, "quad8": 4, "quad9": 4}
+#: voxels along the longest edge of an element that resolve displacements as well, by how many nodes an edge has. On
+#: meshes solved with each type, as coarse as that lets them be, the critical failure index of a circular hole was low
+#: by 2 %, with "triangle" by 3 %
+VOXELS_PER_EDGE = {2: 1, 3: 4}
 #: by how much of the plate's longer side the model's box may miss the plate's
 BOX = 1e-3
 #: by how much the area may miss the plate's without its notches: a share of it, and of the notches' own, of which
@@ -56,7 +58,10 @@ class GivenField:
 
     def resolution(self, points: np.ndarray) -> np.ndarray:
         """Size (k,) of the voxels that would resolve the displacements at points (k, 2) as well, mm."""
-        voxels = [np.full(len(nodes), VOXELS_PER_EDGE[kind]) for kind, nodes in self.field.cells.items()]
+        voxels = [
+            np.full(len(nodes), VOXELS_PER_EDGE[PLANE_ELEMENTS[kind].edges.shape[1]])
+            for kind, nodes in self.field.cells.items()
+        ]
         return self._largest(points, self._longest_edge / np.concatenate(voxels))
 
     def edge_length(self, points: np.ndarray) -> np.ndarray:
@@ -74,7 +79,7 @@ class GivenField:
     def _corners(self) -> list[np.ndarray]:
         """Corners (m, k, 2) of the elements of each type."""
         cells = self.field.cells.items()
-        return [self.field.points[nodes[:, : ELEMENTS[kind].corners]] for kind, nodes in cells]
+        return [self.field.points[nodes[:, : PLANE_ELEMENTS[kind].corners]] for kind, nodes in cells]
 
     @cached_property
     def _longest_edge(self) -> np.ndarray:

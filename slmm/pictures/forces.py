@@ -74,8 +74,7 @@ def _draw_energy(axes: Axes, results: ElementResults) -> PolyCollection:
     """Elements coloured by their mean energy density."""
     polygons, density = [], []
     for name, nodes in results.cells.items():
-        corners = len(element_named(name).edges)
-        polygons += list(results.points[nodes[:, :corners]])
+        polygons += list(results.points[nodes[:, : element_named(name).corners]])
         density.append(results.energy[name].mean(axis=1))
     values = np.concatenate(density)
     highest = float(values.max(initial=0.0)) or 1.0

@@ -22,7 +22,7 @@ def boundary_edges(points: np.ndarray, cells: Mapping[str, np.ndarray]) -> np.nd
     Raises
     ------
     ValueError
-        For elements that are not plane.
+        For elements that are not plane, or have more than one node between the ends of an edge.
 
     Examples
     --------
@@ -33,6 +33,10 @@ def boundary_edges(points: np.ndarray, cells: Mapping[str, np.ndarray]) -> np.nd
     found = []
     for name, nodes in cells.items():
         local = element_named(name).edges
+        if local.shape[1] > 3:
+            raise ValueError(
+                f"edges of {name} have {local.shape[1]} nodes: a boundary has two or three on each edge"
+            )
         edges = np.asarray(nodes)[:, local].reshape(-1, local.shape[1])
         found.append(np.pad(edges, ((0, 0), (0, 3 - edges.shape[1])), constant_values=-1))
     edges = np.concatenate(found)

@@ -15,38 +15,20 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
+from slmm.mechanics.element_types import ELEMENT_TYPES
 from slmm.results.file_mesh import FileMesh, checked
 from slmm.results.netcdf_header import check_netcdf
 
-#: elements by what their types begin with and the number of their nodes
-KINDS = {
-    ("TRI", 3): "triangle",
-    ("TRI", 6): "triangle6",
-    ("QUAD", 4): "quad",
-    ("QUAD", 8): "quad8",
-    ("QUAD", 9): "quad9",
-    ("SHELL", 4): "quad",
-    ("SHELL", 8): "quad8",
-    ("SHELL", 9): "quad9",
-    ("TET", 4): "tetra",
-    ("TET", 10): "tetra10",
-    ("WED", 6): "wedge",
-    ("WED", 15): "wedge15",
-    ("HEX", 8): "hexahedron",
-    ("HEX", 20): "hexahedron20",
-    ("HEX", 27): "hexahedron27",
+#: kinds of elements, and where in the file their nodes stand, by what their names begin with and the number of nodes
+NAMED = {
+    (beginning, known.count): (known.kind, known.exodus.order)
+    for known in ELEMENT_TYPES.values()
+    if known.exodus is not None
+    for beginning in known.exodus.beginnings
 }
 
 #: types that carry nothing in a plane or solid model
 THIN = ("SPHERE", "CIRCLE", "NODE", "BEAM", "BAR", "EDGE", "TRUSS", "ROD", "NULL")
-
-#: the nodes of VTK's order in that of Exodus, which has the edges between bottom and top before those of the top, and
-#: the middle of a brick before those of its faces
-ORDERS = {
-    "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
-    "hexahedron27": [*range(12), *range(16, 20), *range(12, 16), 23, 24, 25, 26, 21, 22, 20],
-    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
-}
 
 #: by how much compression in a netCDF-4 file may shrink an array: DEFLATE's limit
 LARGEST_RATIO = 1032
@@ -90,10 +72,11 @@ def _mesh(file: netCDF4.Dataset, size: int, chosen: Callable[[int], int]) -> Fil
     cells: dict[str, list[np.ndarray]] = {}
     numbers: dict[str, list[int]] = {}
     for name, block in sorted(blocks.items(), key=lambda item: int(item[0][7:])):
-        kind = _kind(name, str(block.elem_type), block.shape[-1])
-        if kind is not None:
+        found = _type(name, str(block.elem_type), block.shape[-1])
+        if found is not None:
+            kind, order = found
             nodes = block[:].astype(np.int64) - 1
-            cells.setdefault(kind, []).append(nodes[:, ORDERS.get(kind, slice(None))])
+            cells.setdefault(kind, []).append(nodes if order is None else nodes[:, order])
             numbers.setdefault(kind, []).append(int(name[7:]))
     return FileMesh(
         _points(file),
@@ -103,18 +86,18 @@ def _mesh(file: netCDF4.Dataset, size: int, chosen: Callable[[int], int]) -> Fil
     )
 
 
-def _kind(name: str, called: str, count: int) -> str | None:
-    """The kind of the elements of a block, None for points and lines."""
+def _type(name: str, called: str, count: int) -> tuple[str, tuple[int, ...] | None] | None:
+    """The kind of the elements of a block and where their nodes stand, None for points and lines."""
     upper = called.strip("\0 ").upper()
     if upper.startswith(THIN):
         return None
-    for (begin, nodes), kind in KINDS.items():
+    for (beginning, nodes), found in NAMED.items():
         # TRISHELL is a plane element like TRI
-        if upper.startswith(begin) and nodes == count:
-            return kind
+        if upper.startswith(beginning) and nodes == count:
+            return found
     raise ValueError(
         f"{name} has elements of type {called[:20]!r} with {count} nodes: known are "
-        f"{', '.join(dict.fromkeys(KINDS.values()))}"
+        f"{', '.join(dict.fromkeys(kind for kind, _ in NAMED.values()))}"
     )
 
 

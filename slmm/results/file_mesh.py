@@ -18,7 +18,7 @@ class FileMesh:
     points : ndarray (n, 2 or 3)
         mm.
     cells : mapping of str to ndarray (m, k)
-        Nodes of the elements of each kind, by meshio's names and in VTK's order.
+        Nodes of the elements of each kind, in the order of `slmm.mechanics.element_types`.
     point_data : mapping of str to ndarray (n,) or (n, c)
         By the names in the file.
     cell_data : mapping of str to mapping of str to ndarray (m,) or (m, c)

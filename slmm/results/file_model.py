@@ -11,33 +11,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from slmm.mechanics.elasticity import Elasticity
-from slmm.mechanics.elements import ALIASES, ELEMENTS, element_named
+from slmm.mechanics.element_types import ELEMENT_TYPES
+from slmm.mechanics.elements import ALIASES, ELEMENTS, type_named
 from slmm.mechanics.material import State
 from slmm.results.frd import FrdField, FrdResult
 from slmm.results.inp_model import InpModel
 from slmm.results.results import FACES, THIN, lower_faces
 
-#: elements by meshio's names, and what they are taken for where no input file says more
-NAMED = {
-    "triangle": "CPE3",
-    "triangle6": "CPE6",
-    "quad": "CPE4",
-    "quad8": "CPE8",
-    "quad9": "QUAD9",
-    "tetra": "C3D4",
-    "tetra10": "C3D10",
-    "wedge": "C3D6",
-    "wedge15": "C3D15",
-    "wedge18": "WEDGE18",
-    "hexahedron": "C3D8",
-    "hexahedron20": "C3D20",
-    "hexahedron27": "HEX27",
-}
-
-#: elements with fewer integration points
-REDUCED = {name: f"{name}R" for name in ("CPE4", "CPE8", "C3D8", "C3D20")}
-
-#: beginnings of meshio's names of what is a surface of solids
+#: beginnings of meshio's names of elements without an entry in `slmm.mechanics.element_types` that are plane
 PLANE = ("triangle", "quad")
 
 #: places of the components of a file in the tensor, by their number
@@ -162,7 +143,7 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
     numbers = {kind: result.cell_ids[kind] for kind in cells}
     names = sorted({name for ids in numbers.values() for name in inp.types_of(ids).tolist()})
     plane = _plane(names, inp)
-    if reduced and (full := [name for name in names if name in REDUCED]):
+    if reduced and (full := [name for name in names if _could_be_reduced(name)]):
         raise ValueError(
             f"reduced = True: {inp.path.name} has {', '.join(full)}, which are not; leave it out"
         )
@@ -171,7 +152,7 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
     by_type, ids = _by_type(cells, numbers, inp)
     region, regions = _materials(inp, ids)
     unsettled = [inp.reasons[own.name] for own in regions if own.name in inp.reasons]
-    if incompatible := [name for name in names if "I" in name]:
+    if incompatible := [name for name in names if name in type_named(name).incompatible]:
         unsettled.append(
             f"{', '.join(incompatible)} have incompatible modes, of which displacements do not tell"
         )
@@ -194,6 +175,12 @@ def input_model(result: FrdResult, displacement: FrdField, inp: InpModel, reduce
         list(dict.fromkeys(unsettled)),
         thicknesses.pop() if len(thicknesses) == 1 else math.nan,
     )
+
+
+def _could_be_reduced(name: str) -> bool:
+    """Whether an element has full integration and there is another with reduced integration."""
+    known = type_named(name)
+    return known.reduced is not None and known.elements[name] is known.element
 
 
 def _coordinates(nodes: np.ndarray, inp: InpModel, plane: bool) -> np.ndarray:
@@ -221,13 +208,12 @@ def _frd_field(result: FrdResult, displacement: FrdField, name: str, components:
 
 def _plane(names: Sequence[str], inp: InpModel) -> bool:
     """Whether these elements of an input file are plane."""
-    known = {name for name in names if ALIASES.get(name, name) in ELEMENTS}
-    if unknown := [name for name in names if name not in known]:
+    if unknown := [name for name in names if name not in ELEMENTS and name not in ALIASES]:
         raise ValueError(
             f"{inp.path.name} has elements of type {', '.join(unknown)}: only plane elements (CPE, CPS) and solids "
             "(C3D) are read"
         )
-    dimensions = {element_named(name).dimension for name in names}
+    dimensions = {type_named(name).element.dimension for name in names}
     if len(dimensions) > 1:
         raise ValueError(
             f"{inp.path.name} has plane elements and solids ({', '.join(names)}): one of them is needed"
@@ -261,7 +247,7 @@ def _by_type(
         types = inp.types_of(own)
         for name in np.unique(types).tolist():
             here = types == name
-            if kind not in NAMED or element_named(name).nodes.shape != element_named(NAMED[kind]).nodes.shape:
+            if type_named(name).kind != kind:
                 raise ValueError(
                     f"element {own[here][0]} is {kind} here, and {name} in {inp.path.name}: is it of another model?"
                 )
@@ -277,7 +263,8 @@ def _materials(
     states: tuple[State, State] = ("plane strain", "plane stress")
     of_section = np.array([order.index(section.material) for section in inp.sections], dtype=int)
     code = {
-        name: 2 * of_section[inp.section_of(ids)] + name.startswith("CPS") for name, ids in numbers.items()
+        name: 2 * of_section[inp.section_of(ids)] + (name in type_named(name).plane_stress)
+        for name, ids in numbers.items()
     }
     codes = np.unique(np.concatenate([*code.values()]))
     regions = []
@@ -299,12 +286,19 @@ def element_types(cells: Mapping[str, np.ndarray], reduced: bool) -> dict[str, s
         When there are none, or others than those known.
     """
     inside = [kind for kind, nodes in cells.items() if len(nodes) and not kind.startswith(THIN)]
-    kinds = [kind for kind in inside if not kind.startswith(PLANE)] or inside
+    kinds = [kind for kind in inside if not _is_plane(kind)] or inside
     if not kinds:
         raise ValueError("there are no plane or solid elements")
-    if unknown := sorted(set(kinds) - set(NAMED)):
-        raise ValueError(f"elements of type {', '.join(unknown)}: known are {', '.join(NAMED)}")
-    return {kind: REDUCED.get(NAMED[kind], NAMED[kind]) if reduced else NAMED[kind] for kind in kinds}
+    if unknown := sorted(set(kinds) - set(ELEMENT_TYPES)):
+        raise ValueError(f"elements of type {', '.join(unknown)}: known are {', '.join(ELEMENT_TYPES)}")
+    known = {kind: ELEMENT_TYPES[kind] for kind in kinds}
+    return {kind: ((reduced and own.reduced) or own.element).name for kind, own in known.items()}
+
+
+def _is_plane(kind: str) -> bool:
+    """Whether elements of a kind, which need not be known, are plane."""
+    known = ELEMENT_TYPES.get(kind)
+    return kind.startswith(PLANE) if known is None else known.element.dimension == 2
 
 
 def field_values(values: np.ndarray, name: str, tensor: bool) -> np.ndarray:

@@ -16,24 +16,15 @@ from pathlib import Path
 
 import numpy as np
 
+from slmm.mechanics.element_types import ELEMENT_TYPES
 from slmm.results.frd_records import Records, quoted
 
-#: CalculiX's numbers of element types: the name in meshio, and the places in the file of the nodes in VTK's order;
-#: CalculiX has the midside nodes of the vertical edges before those of the top
-ELEMENT_TYPES: dict[int, tuple[str, tuple[int, ...]]] = {
-    1: ("hexahedron", tuple(range(8))),
-    2: ("wedge", tuple(range(6))),
-    3: ("tetra", tuple(range(4))),
-    4: ("hexahedron20", (*range(12), *range(16, 20), *range(12, 16))),
-    5: ("wedge15", (*range(9), *range(12, 15), *range(9, 12))),
-    6: ("tetra10", tuple(range(10))),
-    7: ("triangle", tuple(range(3))),
-    8: ("triangle6", tuple(range(6))),
-    9: ("quad", tuple(range(4))),
-    10: ("quad8", tuple(range(8))),
-    11: ("line", tuple(range(2))),
-    12: ("line3", tuple(range(3))),
-}
+#: kinds of elements by CalculiX's numbers, how many nodes they have, and where in the file these stand
+NUMBERED: dict[int, tuple[str, int, tuple[int, ...] | None]] = {
+    known.frd.number: (known.kind, known.count, known.frd.order)
+    for known in ELEMENT_TYPES.values()
+    if known.frd is not None
+} | {11: ("line", 2, None), 12: ("line3", 3, None)}
 VALUE_WIDTH = 12
 
 #: kinds of analysis: of vibration, where all displacements are modes, and of buckling, where those are after the first,
@@ -93,7 +84,8 @@ class FrdResult:
     node_ids : ndarray, shape (n,)
         Numbers of the nodes in the file.
     cells : dict of str to ndarray, shape (m, k)
-        Rows of ``nodes`` for the elements of each type, named as in meshio and in VTK's order of nodes.
+        Rows of ``nodes`` for the elements of each type, by its kind and in the order of
+        `slmm.mechanics.element_types`.
     cell_ids : dict of str to ndarray, shape (m,)
         Numbers of these elements in the file. Composite shells have an element for each layer, with a number of its
         own.
@@ -238,15 +230,15 @@ class _File(Records):
         cells, cell_ids = {}, {}
         for number, own in of_type.items():
             begin = [first[k] for k in own]
-            if number not in ELEMENT_TYPES:
-                raise self.error(begin[0], f"element type {number}: known are 1 to {max(ELEMENT_TYPES)}")
-            kind, in_vtk_order = ELEMENT_TYPES[number]
+            if number not in NUMBERED:
+                raise self.error(begin[0], f"element type {number}: known are 1 to {max(NUMBERED)}")
+            kind, count, order = NUMBERED[number]
             of_elements = [self.lines[i][3 : 3 + width] for i in begin]
             cell_ids[kind] = self.numbers(of_elements, width, 1, int, begin)[:, 0]
             # nodes stand in lines of ten or fifteen, or all in one
             of_nodes = [text[k][len(self.lines[first[k]].rstrip()) - 3 :] for k in own]
-            ids = self.numbers(of_nodes, width, len(in_vtk_order), int, begin)
-            cells[kind] = self.rows(rows, ids[:, in_vtk_order], head)
+            ids = self.numbers(of_nodes, width, count, int, begin)
+            cells[kind] = self.rows(rows, ids if order is None else ids[:, order], head)
         return cells, cell_ids
 
     def rows(self, rows: _Rows, ids: np.ndarray, head: int) -> np.ndarray:

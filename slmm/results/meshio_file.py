@@ -13,9 +13,6 @@ import numpy as np
 
 from slmm.results.file_mesh import FileMesh, checked
 
-#: what meshio calls points, lines and higher lines, which carry nothing in a plane or solid model
-THIN = ("vertex", "line", "VTK_LAGRANGE_CURVE")
-
 #: what meshio says when it leaves elements out, which must not pass
 _LEFT_OUT = ("cannot handle", "skipping", "could not parse")
 

@@ -16,8 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element import DEGENERATE
 from slmm.mechanics.element_results import METHODS, ElementResults, linear_elastic
-from slmm.mechanics.elements import DEGENERATE, element_named
+from slmm.mechanics.elements import element_named
 from slmm.results.file_model import FileField, FileModel, input_model, result_model
 from slmm.results.inp import read_inp
 from slmm.results.mesh_model import mesh_model
@@ -224,9 +225,6 @@ def _in_space(model: FileModel, used: np.ndarray, dimension: int) -> tuple[np.nd
 def _oriented(name: str, nodes: np.ndarray, points: np.ndarray, numbers: np.ndarray) -> np.ndarray:
     """Nodes of elements, those turned that run the other way round."""
     element = element_named(name)
-    # swapping the first two coordinates maps each of the reference elements on itself
-    swapped = element.nodes[:, [1, 0, *range(2, element.dimension)]]
-    mirrored = np.linalg.norm(swapped[:, None] - element.nodes, axis=2).argmin(axis=1)
 
     def volumes(nodes: np.ndarray) -> np.ndarray:
         return np.linalg.det(
@@ -236,7 +234,7 @@ def _oriented(name: str, nodes: np.ndarray, points: np.ndarray, numbers: np.ndar
     volume = volumes(nodes)
     turned = np.flatnonzero((volume < 0).all(axis=1))
     nodes = nodes.copy()
-    nodes[turned] = nodes[turned][:, mirrored]
+    nodes[turned] = nodes[turned][:, element.turned[0]]
     volume[turned] = volumes(nodes[turned])
     size = np.ptp(points[nodes], axis=1).max(axis=1) ** element.dimension
     worst = volume.min(axis=1) / np.maximum(size, np.finfo(float).tiny)

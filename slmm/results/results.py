@@ -6,47 +6,25 @@ z = const, which is what CalculiX makes of plane elements. Of such a layer the f
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from slmm.results.field import ELEMENTS, DisplacementField
+from slmm.mechanics.element_types import ELEMENT_TYPES
+from slmm.results.field import DisplacementField
 from slmm.results.frd import FrdField, FrdResult, read_frd
 from slmm.results.inp_lines import blocks, plain
 from slmm.results.mesh_step import chosen_step, mesh_displacements
+from slmm.results.plane_elements import PLANE_ELEMENTS
 
-#: plane elements by their number of nodes, as faces of solid elements
-_FACE_KINDS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
-
-
-def _both_ways(face: Sequence[int], opposite: Sequence[int]) -> list[tuple[list[int], list[int]]]:
-    return [([*face], [*opposite]), ([*opposite], [*face])]
-
-
-#: pairs of opposite faces, node over node, that can be the two sides of a plane model; in VTK's order of nodes
-FACES: dict[str, list[tuple[list[int], list[int]]]] = {
-    "hexahedron": [
-        *_both_ways((0, 1, 2, 3), (4, 5, 6, 7)),
-        *_both_ways((0, 1, 5, 4), (3, 2, 6, 7)),
-        *_both_ways((0, 3, 7, 4), (1, 2, 6, 5)),
-    ],
-    "hexahedron20": [
-        *_both_ways((0, 1, 2, 3, 8, 9, 10, 11), (4, 5, 6, 7, 12, 13, 14, 15)),
-        *_both_ways((0, 1, 5, 4, 8, 17, 12, 16), (3, 2, 6, 7, 10, 18, 14, 19)),
-        *_both_ways((0, 3, 7, 4, 11, 19, 15, 16), (1, 2, 6, 5, 9, 18, 13, 17)),
-    ],
-    "hexahedron27": [
-        *_both_ways((0, 1, 2, 3, 8, 9, 10, 11, 24), (4, 5, 6, 7, 12, 13, 14, 15, 25)),
-        *_both_ways((0, 1, 5, 4, 8, 17, 12, 16, 22), (3, 2, 6, 7, 10, 18, 14, 19, 23)),
-        *_both_ways((0, 3, 7, 4, 11, 19, 15, 16, 20), (1, 2, 6, 5, 9, 18, 13, 17, 21)),
-    ],
-    "wedge": _both_ways((0, 1, 2), (3, 4, 5)),
-    "wedge15": _both_ways((0, 1, 2, 6, 7, 8), (3, 4, 5, 9, 10, 11)),
-    "wedge18": _both_ways((0, 1, 2, 6, 7, 8), (3, 4, 5, 9, 10, 11)),
+#: pairs of opposite faces, node over node, that can be the two sides of a plane model
+FACES = {
+    kind: known.element.opposite_faces(ELEMENT_TYPES[known.side].element)
+    for kind, known in ELEMENT_TYPES.items()
+    if known.side
 }
-
 
 #: beginnings of meshio's names of what has no inside: points and lines, on which loads are applied
 THIN = ("vertex", "line")
@@ -162,11 +140,11 @@ def _plane_model(
     if u.ndim != 2 or u.shape[1] not in (2, 3):
         raise ValueError(f"the displacements have shape {u.shape}: 2 or 3 components are needed")
     cells = {kind: nodes for kind, nodes in cells.items() if not kind.startswith(THIN)}
-    unknown = sorted(set(cells) - set(ELEMENTS) - set(FACES))
+    unknown = sorted(set(cells) - set(PLANE_ELEMENTS) - set(FACES))
     if unknown:
         raise ValueError(
-            f"elements of type {', '.join(unknown)}: a plane model of {', '.join(ELEMENTS)} is needed, or one layer "
-            f"of {', '.join(FACES)}"
+            f"elements of type {', '.join(unknown)}: a plane model of {', '.join(PLANE_ELEMENTS)} is needed, or one "
+            f"layer of {', '.join(FACES)}"
         )
     solid = {kind: nodes for kind, nodes in cells.items() if kind in FACES}
     if not solid:
@@ -212,8 +190,8 @@ def lower_faces(
             below = (z[nodes[:, face]] <= low + tolerance).all(axis=1)
             here = below & (z[nodes[:, opposite]] >= high - tolerance).all(axis=1)
             lower, upper = nodes[here][:, face], nodes[here][:, opposite]
-            of_kind.setdefault(_FACE_KINDS[len(face)], []).append(lower)
-            solids.setdefault(_FACE_KINDS[len(face)], []).append(first + np.flatnonzero(here))
+            of_kind.setdefault(ELEMENT_TYPES[kind].side, []).append(lower)
+            solids.setdefault(ELEMENT_TYPES[kind].side, []).append(first + np.flatnonzero(here))
             difference = max(difference, np.abs(u[lower] - u[upper]).max(initial=0.0))
             left &= ~here
         if left.any():

@@ -1,6 +1,6 @@
 """Cells of VTK as elements by kind, with nodes in the order of the kind.
 
-Numbers of types and orders of nodes are those of vtkCellType.h and of the cells' own documentation. Lagrange cells of
+Which types are elements of ours stands in `slmm.mechanics.element_types`; here, what VTK has besides. Lagrange cells of
 first and second order have the nodes of the usual elements in the usual order.
 """
 
@@ -10,49 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from slmm.mechanics.element_types import ELEMENT_TYPES
+
 #: types that carry nothing in a plane or solid model: points and lines
 THIN = {0, 1, 2, 3, 4, 21, 35, 68}
 
-#: elements by type and number of nodes; of Lagrange cells, 8 nodes of a quadrilateral and 20 of a brick are
-#: serendipity elements, as dolfinx writes them
-KINDS = {
-    (5, 3): "triangle",
-    (7, 3): "triangle",
-    (7, 4): "quad",
-    (8, 4): "quad",
-    (9, 4): "quad",
-    (10, 4): "tetra",
-    (11, 8): "hexahedron",
-    (12, 8): "hexahedron",
-    (13, 6): "wedge",
-    (22, 6): "triangle6",
-    (23, 8): "quad8",
-    (24, 10): "tetra10",
-    (25, 20): "hexahedron20",
-    (26, 15): "wedge15",
-    (28, 9): "quad9",
-    (29, 27): "hexahedron27",
-    (32, 18): "wedge18",
-    (69, 3): "triangle",
-    (69, 6): "triangle6",
-    (70, 4): "quad",
-    (70, 8): "quad8",
-    (70, 9): "quad9",
-    (71, 4): "tetra",
-    (71, 10): "tetra10",
-    (72, 8): "hexahedron",
-    (72, 20): "hexahedron20",
-    (72, 27): "hexahedron27",
-    (73, 6): "wedge",
-    (73, 15): "wedge15",
-    (73, 18): "wedge18",
+#: kinds of elements and the order of their nodes, by type and number of nodes
+CELLS = {
+    (cell.number, known.count): (known.kind, cell) for known in ELEMENT_TYPES.values() for cell in known.vtk
 }
-
-#: orders of nodes that differ: the sides of pixels and voxels run the same way, those of others around
-ORDERS = {8: [0, 1, 3, 2], 11: [0, 1, 3, 2, 4, 5, 7, 6]}
-
-#: Lagrange bricks of the second order had these edges the other way before version 2.1 of XML, 5.1 of legacy files
-FORMER = {(72, 27): [*range(18), 19, 18, *range(20, 27)]}
 
 #: names of types that are not read
 NAMES = {
@@ -164,39 +130,39 @@ def cells_by_kind(
     start = offsets - counts
     found: dict[str, list[Cells]] = {}
     pairs = [
-        (kind, count)
-        for kind in np.unique(types).tolist()
-        for count in np.unique(counts[types == kind]).tolist()
+        (own, count)
+        for own in np.unique(types).tolist()
+        for count in np.unique(counts[types == own]).tolist()
     ]
-    for kind, count in pairs:
-        if kind in THIN:
+    for own, count in pairs:
+        if own in THIN:
             continue
-        number = np.flatnonzero((types == kind) & (counts == count))
-        if (kind, count) not in KINDS:
+        number = np.flatnonzero((types == own) & (counts == count))
+        if (own, count) not in CELLS:
             raise ValueError(
-                f"cell {number[0]} is a {NAMES.get(kind, 'cell')} (VTK's type {kind}) of {count} nodes: known are "
-                f"{', '.join(sorted(set(KINDS.values())))}"
+                f"cell {number[0]} is a {NAMES.get(own, 'cell')} (VTK's type {own}) of {count} nodes: known are "
+                f"{', '.join(sorted({kind for kind, _ in CELLS.values()}))}"
             )
-        if degrees is not None and kind in LAGRANGE:
-            _check_degrees(kind, count, degrees[number], int(number[0]))
+        if degrees is not None and own in LAGRANGE:
+            _check_degrees(own, count, degrees[number], int(number[0]))
+        kind, cell = CELLS[own, count]
         nodes = connectivity[start[number][:, None] + np.arange(count)]
-        order = ORDERS.get(kind) or (FORMER.get((kind, count)) if former else None)
-        nodes = nodes if order is None else nodes[:, order]
-        found.setdefault(KINDS[kind, count], []).append(Cells(nodes, number))
+        order = (former and cell.former) or cell.order
+        found.setdefault(kind, []).append(Cells(nodes if order is None else nodes[:, order], number))
     return {
-        name: Cells(
-            np.concatenate([own.nodes for own in cells]), np.concatenate([own.number for own in cells])
+        kind: Cells(
+            np.concatenate([part.nodes for part in parts]), np.concatenate([part.number for part in parts])
         )
-        for name, cells in found.items()
+        for kind, parts in found.items()
     }
 
 
-def _check_degrees(kind: int, count: int, degrees: np.ndarray, first: int) -> None:
+def _check_degrees(own: int, count: int, degrees: np.ndarray, first: int) -> None:
     """Refuse cells that have as many nodes as one of the second order, but as other rows."""
-    directions = 2 if kind in (69, 70) else 3
+    directions = 2 if own in (69, 70) else 3
     degrees = degrees[:, :directions]
     if (degrees != degrees[:, :1]).any():
         raise ValueError(
-            f"cell {first}, or one like it, is a {NAMES[kind]} of {count} nodes with another degree in each "
+            f"cell {first}, or one like it, is a {NAMES[own]} of {count} nodes with another degree in each "
             "direction: the first or the second in all is needed"
         )

@@ -15,27 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slmm.mechanics.element_results import ElementResults
-from slmm.mechanics.elements import element_named
-
-#: VTK's numbers of cell types, by dimension and number of nodes
-CELL_TYPES = {
-    (2, 3): 5,
-    (2, 4): 9,
-    (2, 6): 22,
-    (2, 8): 23,
-    (2, 9): 28,
-    (3, 4): 10,
-    (3, 6): 13,
-    (3, 8): 12,
-    (3, 10): 24,
-    (3, 15): 26,
-    (3, 18): 32,
-    (3, 20): 25,
-    (3, 27): 29,
-}
-
-#: the triangles of VTK's linear wedges run the other way round, those of its quadratic wedges do not
-WEDGE = [0, 2, 1, 3, 5, 4]
+from slmm.mechanics.elements import element_named, type_named
 
 
 def write_vtu(path: str | Path, results: ElementResults, forces: ArrayLike) -> None:
@@ -75,10 +55,9 @@ def write_vtu(path: str | Path, results: ElementResults, forces: ArrayLike) -> N
         raise ValueError(f"forces have the shape {forces.shape}: there are nodes {results.points.shape}")
     nodes, types = [], []
     for name, own in results.cells.items():
-        element = element_named(name)
-        own = np.asarray(own)
-        nodes.append(own[:, WEDGE] if element.nodes.shape == (6, 3) else own)
-        types.append(np.full(len(own), CELL_TYPES[element.dimension, len(element.nodes)], dtype=np.uint8))
+        own, cell = np.asarray(own), type_named(name).vtk[0]
+        nodes.append(own if cell.order is None else own[:, np.argsort(cell.order)])
+        types.append(np.full(len(own), cell.number, dtype=np.uint8))
     counts = np.concatenate([np.full(len(own), own.shape[1]) for own in nodes])
     file = ElementTree.Element(
         "VTKFile", type="UnstructuredGrid", version="1.0", byte_order="LittleEndian", header_type="UInt64"

@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from slmm.results.field import ELEMENTS, DisplacementField
+from slmm.results.field import DisplacementField
+from slmm.results.plane_elements import PLANE_ELEMENTS
 
-KINDS = sorted(ELEMENTS)
+KINDS = sorted(PLANE_ELEMENTS)
 QUADRATIC = ["triangle6", "quad8", "quad9"]
 
 
@@ -21,7 +22,7 @@ def square_mesh(kind: str, n: int) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     quad9 = np.column_stack([(b + db) * m + a + da for da, db in around])
     triangle6 = np.concatenate([quad9[:, [0, 1, 2, 4, 5, 8]], quad9[:, [0, 2, 3, 8, 6, 7]]])
     nodes = triangle6 if kind.startswith("triangle") else quad9
-    return np.column_stack([X.ravel(), Y.ravel()]), {kind: nodes[:, : len(ELEMENTS[kind].nodes)]}
+    return np.column_stack([X.ravel(), Y.ravel()]), {kind: nodes[:, : len(PLANE_ELEMENTS[kind].nodes)]}
 
 
 def warped(points: np.ndarray) -> np.ndarray:
@@ -64,11 +65,11 @@ def test_a_linear_displacement_is_reproduced_exactly_inside_curved_elements_and_
 @given(seed=st.integers(0, 2**32 - 1))
 def test_in_elements_of_any_shape_a_point_of_known_local_coordinates_has_their_displacement(kind, seed):
     rng = np.random.default_rng(seed)
-    reference = ELEMENTS[kind]
+    reference = PLANE_ELEMENTS[kind]
     nodes = reference.nodes + rng.uniform(-0.15, 0.15, reference.nodes.shape) * np.ptp(reference.nodes) / 2
     u = rng.uniform(-1, 1, nodes.shape)
     xi = reference.clipped(rng.uniform(*reference.nodes[[0, 2], 1], (50, 2)))
-    N = reference.shape_functions(xi)
+    N = reference.shape(xi)
     field = DisplacementField(nodes, {kind: np.arange(len(nodes))[None]}, u)
     assert field.displacement(N @ nodes) == pytest.approx(N @ u, abs=1e-6)
     assert field.covers(N @ nodes, tolerance=1e-6).all()

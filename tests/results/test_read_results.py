@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from slmm.fracture.configurational_forces import forces_within, nodal_configurational_forces
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import linear_elastic
-from slmm.mechanics.elements import element_named
-from slmm.results.file_model import NAMED
+from slmm.mechanics.element_types import ELEMENT_TYPES
 from slmm.results.frd import read_frd
 from slmm.results.inp import read_inp
 from slmm.results.read_results import read_element_results
@@ -256,6 +255,7 @@ def test_an_input_file_may_lie_elsewhere(copied, tmp_path):
         (CRACK, [("SECTION, ELSET=PLATE", "SECTION, ELSET=LOWER")], {}, r"element 21 has no \*SOLID SECTION"),
         (CRACK, [("MATERIAL=STEEL\n1\n", "MATERIAL=STEEL\n0\n")], {}, r"have the thickness 0 mm"),
         (CRACK, [], {"reduced": True}, r"reduced = True: edge_crack_2d\.inp has CPE8, which are not"),
+        (PLATE, [], {"reduced": True}, r"reduced = True: plate_2d\.inp has CPS8, which are not"),
         (CRACK, [], {"method": "cauchy"}, r"method = 'cauchy': must be one of mbf, dbf, linear"),
         (CRACK, [], {"thickness": 0.0}, r"thickness = 0.0 mm: must be a positive number"),
         (CRACK, [], {"elasticity": [STEEL, STEEL]}, r"elasticity has 2 materials: 1 are needed, for STEEL"),
@@ -300,12 +300,12 @@ def test_files_that_are_not_there_are_named(tmp_path):
 # what meshio reads
 
 #: meshio 5.3 writes no wedges of 15 and 18 nodes
-KINDS = sorted(set(NAMED) - {"wedge15", "wedge18"})
+KINDS = sorted(set(ELEMENT_TYPES) - {"wedge15", "wedge18"})
 
 
 def one_element(kind):
     """Distorted, in the x-y plane or space; its nodes."""
-    element = element_named(NAMED[kind])
+    element = ELEMENT_TYPES[kind].element
     shape = np.array([[2.0, 0.3, 0.1], [-0.2, 1.5, 0.2], [0.1, -0.1, 1.2]])[
         : element.dimension, : element.dimension
     ]
@@ -329,8 +329,8 @@ def test_every_element_keeps_its_nodes_and_order_through_a_file(kind, suffix, tm
     in_space = np.pad(u, ((0, 0), (0, 3 - u.shape[1])))
     path = written(tmp_path / f"one.{suffix}", kind, points, nodes, displacement=in_space)
     results = read_element_results(path, elasticity=STEEL)
-    expected = linear_elastic(points, {NAMED[kind]: nodes}, u, STEEL)
-    assert list(results.cells) == [NAMED[kind]]
+    expected = linear_elastic(points, {ELEMENT_TYPES[kind].element.name: nodes}, u, STEEL)
+    assert list(results.cells) == [ELEMENT_TYPES[kind].element.name]
     assert forces_of(results) == pytest.approx(forces_of(expected))
 
 
@@ -343,7 +343,7 @@ def test_elements_that_run_the_other_way_round_are_turned(kind, tmp_path):
     nodes = np.arange(len(points))[None]
     in_space = np.pad(u @ mirror, ((0, 0), (0, 3 - u.shape[1])))
     path = written(tmp_path / "mirrored.vtu", kind, points @ mirror, nodes, u=in_space)
-    expected = linear_elastic(points, {NAMED[kind]: nodes}, u, STEEL)
+    expected = linear_elastic(points, {ELEMENT_TYPES[kind].element.name: nodes}, u, STEEL)
     results = read_element_results(path, elasticity=STEEL)
     assert forces_of(results) == pytest.approx(forces_of(expected) @ mirror)
 

@@ -14,14 +14,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from slmm.mechanics.elasticity import Elasticity
+from slmm.mechanics.element_types import ELEMENT_TYPES
 from slmm.mechanics.elements import element_named
-from slmm.results.field import ELEMENTS
-from slmm.results.file_model import NAMED
 from slmm.results.mesh_step import mesh_displacements
+from slmm.results.plane_elements import PLANE_ELEMENTS
 from slmm.results.read_results import read_element_results
 from slmm.results.results import FACES, read_displacements
 from slmm.results.vtk_arrays import LARGEST
-from slmm.results.vtk_cells import KINDS
+from slmm.results.vtk_cells import CELLS
 
 DATA = Path(__file__).parents[1] / "data"
 VTK, CASES = DATA / "vtk", Path(__file__).parents[3] / "shared" / "cases"
@@ -164,7 +164,8 @@ def field(x, second):
 def test_cells_of_every_type_have_their_nodes_in_order(name, d):
     """In affine cells, whose nodes VTK itself has placed, displacements of their own degree are exact everywhere."""
     results = read_element_results(VTK / name, elasticity=MATERIAL)
-    assert set(results.cells) == {own for kind, own in NAMED.items() if element_named(own).dimension == d}
+    elements = [known.element for known in ELEMENT_TYPES.values()]
+    assert set(results.cells) == {element.name for element in elements if element.dimension == d}
     for kind, nodes in results.cells.items():
         element = element_named(kind)
         second = len(element.nodes) > 8 or (d == 2 and len(element.nodes) in (6, 8))
@@ -177,10 +178,10 @@ def test_cells_of_every_type_have_their_nodes_in_order(name, d):
 
 
 def test_both_commands_read_the_same_elements():
-    plane = {kind for kind, own in NAMED.items() if element_named(own).dimension == 2}
-    assert plane == set(ELEMENTS)
-    assert set(FACES) < set(NAMED)
-    assert set(KINDS.values()) == set(NAMED)
+    plane = {kind for kind, known in ELEMENT_TYPES.items() if known.element.dimension == 2}
+    assert plane == set(PLANE_ELEMENTS)
+    assert set(FACES) < set(ELEMENT_TYPES)
+    assert {kind for kind, _ in CELLS.values()} == set(ELEMENT_TYPES)
     plate = read_displacements(VTK / "plane_cells.vtu")
     results = read_element_results(VTK / "plane_cells.vtu", elasticity=MATERIAL)
     assert sum(map(len, plate.cells.values())) == sum(map(len, results.cells.values())) == 10
