@@ -24,12 +24,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slmm.fracture.configurational_kernels import (
-    configurational_stresses,
-    forces_2d,
-    forces_3d,
-)
-from slmm.mechanics.element import DEGENERATE, Element
+from slmm.fracture.configurational_kernels import configurational_stresses, forces_2d, forces_3d
+from slmm.fracture.element_arrays import check_finite, check_volumes, nodal_arrays, point_array
 from slmm.mechanics.element_results import METHODS
 from slmm.mechanics.elements import element_named
 from slmm.mechanics.kinematics import deformation_gradients, piola_stresses
@@ -60,9 +56,9 @@ def compute_F(X_at_nodes: ArrayLike, U_at_nodes: ArrayLike, element_type: str) -
     [[[[1.1, 0.0], [0.0, 0.9]]]]
     """
     element = element_named(element_type)
-    X, U = _nodal(element, X_at_nodes, U_at_nodes)
-    _check_finite(X_at_nodes=X, U_at_nodes=U)
-    _check_volumes(element, X)
+    X, U = nodal_arrays(element, X_at_nodes, U_at_nodes)
+    check_finite(X_at_nodes=X, U_at_nodes=U)
+    check_volumes(element, X)
     return deformation_gradients(X, U, element.gradient_at_points)
 
 
@@ -91,10 +87,10 @@ def compute_P(
     [[[[180.0, 0.0], [0.0, 0.0]]]]
     """
     element = element_named(element_type)
-    X, U = _nodal(element, X_at_nodes, U_at_nodes)
-    S = _at_points(element, S_at_int_points, len(X), "S_at_int_points", 2)
-    _check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S)
-    _check_volumes(element, X)
+    X, U = nodal_arrays(element, X_at_nodes, U_at_nodes)
+    S = point_array(element, S_at_int_points, len(X), "S_at_int_points", 2)
+    check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S)
+    check_volumes(element, X)
     return piola_stresses(deformation_gradients(X, U, element.gradient_at_points), S)
 
 
@@ -132,8 +128,8 @@ def compute_CS(
     element, X, U, S, e = _checked(
         X_at_nodes, U_at_nodes, S_at_int_points, e_at_int_points, element_type, method
     )
-    _check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S, e_at_int_points=e)
-    _check_volumes(element, X)
+    check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S, e_at_int_points=e)
+    check_volumes(element, X)
     F = deformation_gradients(X, U, element.gradient_at_points)
     P = S if method == "linear" else piola_stresses(F, S)
     return configurational_stresses(F, P, e, method != "mbf")
@@ -175,8 +171,8 @@ def compute_CF(
     )
     # whatever is wrong shows here: the input is searched for it only then
     if suspects or not np.isfinite(total):
-        _check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S, e_at_int_points=e)
-        _check_volumes(element, X)
+        check_finite(X_at_nodes=X, U_at_nodes=U, S_at_int_points=S, e_at_int_points=e)
+        check_volumes(element, X)
     return forces
 
 
@@ -327,53 +323,7 @@ def _checked(X_at_nodes, U_at_nodes, S_at_int_points, e_at_int_points, element_t
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: must be one of {', '.join(METHODS)}")
     element = element_named(element_type)
-    X, U = _nodal(element, X_at_nodes, U_at_nodes)
-    S = _at_points(element, S_at_int_points, len(X), "S_at_int_points", 2)
-    e = _at_points(element, e_at_int_points, len(X), "e_at_int_points", 0)
+    X, U = nodal_arrays(element, X_at_nodes, U_at_nodes)
+    S = point_array(element, S_at_int_points, len(X), "S_at_int_points", 2)
+    e = point_array(element, e_at_int_points, len(X), "e_at_int_points", 0)
     return element, X, U, S, e
-
-
-def _nodal(element: Element, X_at_nodes: ArrayLike, U_at_nodes: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates and displacements as arrays."""
-    n, d = element.nodes.shape
-    found = []
-    for name, values in (("X_at_nodes", X_at_nodes), ("U_at_nodes", U_at_nodes)):
-        array = np.ascontiguousarray(values, dtype=float)
-        if array.ndim != 3 or array.shape[1:] != (n, d):
-            raise ValueError(f"{name} has the shape {array.shape}: {element.name} needs (elements, {n}, {d})")
-        found.append(array)
-    X, U = found
-    if len(X) != len(U):
-        raise ValueError(f"U_at_nodes has {len(U)} elements: X_at_nodes has {len(X)}")
-    return X, U
-
-
-def _check_volumes(element: Element, X: np.ndarray) -> None:
-    """Refuse elements that are degenerate or inverted."""
-    volume = np.linalg.det(np.einsum("eni,qnj->eqij", X, element.gradient_at_points))
-    size = np.ptp(X, axis=1).max(axis=1) ** element.dimension
-    worst = (volume / np.maximum(size, 1e-300)[:, None]).min(axis=1, initial=np.inf)
-    bad = np.flatnonzero(worst < DEGENERATE)
-    if len(bad):
-        raise ValueError(
-            f"X_at_nodes: element {bad[0]} is degenerate or inverted (det dX/dR = {worst[bad[0]]:.3g} of its size), "
-            f"and {len(bad) - 1} others; the nodes of {element.name} must be in Abaqus' order"
-        )
-
-
-def _at_points(element: Element, values: ArrayLike, n: int, name: str, order: int) -> np.ndarray:
-    """Scalars or tensors at the integration points as an array."""
-    array = np.ascontiguousarray(values, dtype=float)
-    shape = (n, len(element.points), *(element.dimension,) * order)
-    if array.shape != shape:
-        raise ValueError(f"{name} has the shape {array.shape}: {element.name} needs {shape}")
-    return array
-
-
-def _check_finite(**arrays: np.ndarray) -> None:
-    """Refuse values that are not finite."""
-    for name, array in arrays.items():
-        finite = np.isfinite(array)
-        if not finite.all():
-            at = tuple(int(i) for i in np.argwhere(~finite)[0])
-            raise ValueError(f"{name}{list(at)} = {array[at]}: must be finite")
