@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 import pytest
+from element_forces import STEEL, distorted, forces_of
 
-from slmm.fracture.configurational_forces import nodal_configurational_forces
 from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import linear_elastic
 from slmm.mechanics.elements import ELEMENTS, type_named
@@ -20,20 +20,11 @@ DATA = Path(__file__).parents[1] / "data"
 RNG = np.random.default_rng(0)
 
 
-def forces_of(results):
-    return nodal_configurational_forces(
-        results.points, results.cells, results.u, results.stress, results.energy, results.method
-    )
-
-
 def one_element(name):
     """Results of an element, each node moved somewhere."""
-    nodes = ELEMENTS[name].nodes
-    shape = np.array([[2.0, 0.3, 0.1], [-0.2, 1.5, 0.2], [0.1, -0.1, 1.2]])[
-        : nodes.shape[1], : nodes.shape[1]
-    ]
-    u = 1e-3 * RNG.standard_normal(nodes.shape)
-    return linear_elastic(nodes @ shape.T, {name: np.arange(len(nodes))[None]}, u, Elasticity(210e3, 0.3))
+    points = distorted(ELEMENTS[name])
+    u = 1e-3 * RNG.standard_normal(points.shape)
+    return linear_elastic(points, {name: np.arange(len(points))[None]}, u, STEEL)
 
 
 @pytest.fixture
@@ -117,7 +108,7 @@ def test_the_first_triangle_of_a_linear_wedge_faces_outwards_as_vtk_has_it(tmp_p
 def test_what_is_written_is_read(name, tmp_path):
     results = one_element(name)
     write_vtu(tmp_path / "one.vtu", results, forces_of(results))
-    again = read_element_results(tmp_path / "one.vtu", elasticity=Elasticity(210e3, 0.3))
+    again = read_element_results(tmp_path / "one.vtu", elasticity=STEEL)
     assert np.array_equal(again.points, results.points) and np.array_equal(again.u, results.u)
     assert np.array_equal(again.cells[name], results.cells[name])
     assert again.stress[name] == pytest.approx(results.stress[name])
