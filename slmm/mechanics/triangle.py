@@ -1,11 +1,13 @@
-"""The quadratic triangle: shape functions, their gradients, and where a point lies in an element."""
+"""The quadratic triangle: shape functions in closed form, their gradients, and where a point lies in an element."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from slmm.mechanics.element_types import ELEMENT_TYPES
+
 #: reference coordinates of the six nodes, corners first, then the middles of edges 0-1, 1-2, 2-0
-NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]], dtype=float)
+NODES = ELEMENT_TYPES["triangle6"].element.nodes
 
 
 def shape(xi: np.ndarray) -> np.ndarray:
