@@ -1,8 +1,9 @@
 """The table of element types: all that is known of each, in one place.
 
 Whoever reads or writes files, finds faces or adds up forces takes it from here; a new type is a new entry in
-`ELEMENT_TYPES` and nothing else. Of plane elements, more than one node between the ends of an edge is not foreseen
-where the boundary is followed (crack tips) or displacements are interpolated.
+`ELEMENT_TYPES` and nothing else. Its shape functions must be spanned by monomials, so that pyramids are none. Plane
+elements with more than one node between the ends of an edge have forces, but where the boundary is followed (crack
+tips) or displacements are interpolated, they are refused.
 
 Names, node order and order of the integration points are those of Abaqus (and CalculiX); those of QUAD9, HEX27
 and WEDGE18, which Abaqus does not have or numbers otherwise, are VTK's. Where another program has the nodes in another
@@ -80,6 +81,14 @@ class ElementType:
         In Exodus files.
     side : str
         Of solids, the kind of plane element that two opposite faces are, when a layer may stand for a plane model.
+
+    Examples
+    --------
+    >>> known = ELEMENT_TYPES["quad8"]
+    >>> known.count, known.element.name, len(known.element.points), known.reduced.name, len(known.reduced.points)
+    (8, 'CPE8', 9, 'CPE8R', 4)
+    >>> known.frd.number, [cell.number for cell in known.vtk], known.exodus.beginnings
+    (10, [23, 70], ('QUAD', 'SHELL'))
     """
 
     kind: str
