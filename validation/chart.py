@@ -40,10 +40,11 @@ from estimates import with_irwin_length
 from rich.progress import track
 
 from slmm import Scene, failure_indices, read_scene
+from slmm.criteria.coupled_curves import criticals
+from slmm.criteria.path_curves import PathCurves
 from slmm.initiation.by_cells import voxel_count
 from slmm.initiation.by_dislocations import body_fitted_model, dislocations_on
 from slmm.initiation.by_full_fea import sampled
-from slmm.initiation.curves import PathCurves, criticals
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
 from slmm.initiation.paths import IN_LIGAMENT, trial_paths
 from slmm.initiation.positions import find_positions

@@ -55,6 +55,8 @@ LOOSE, LOW, FEWEST, CANDIDATES, NEAR = 0.05, 0.9, 50, 3, 0.01
 LOWEST, HIGHEST = 0.9, 1.1
 #: share of positions that may have no value
 WITHOUT = 0.05
+#: scenes after which processes are replaced
+BATCH = 40
 #: words of a summary that commit it
 SAFE, CRACK = "No crack starts", ("A crack starts", "The crack goes on")
 
@@ -199,15 +201,17 @@ def gathered(numbers: Iterable[int], positions: int, true_positions: int, file: 
     wanted = list(numbers)
     rows = [row for row in lines_of(file) if int(str(row["scene"])) in set(wanted)]
     missing = sorted(set(wanted) - {int(str(row["scene"])) for row in rows})
-    # a process that grows with its scenes is replaced
-    with ProcessPoolExecutor(2, get_context("spawn"), max_tasks_per_child=20) as pool:
-        jobs = [pool.submit(examine, number, positions, true_positions) for number in missing]
-        for k, job in enumerate(as_completed(jobs), 1):
-            row = {name: job.result().get(name, "") for name in FIELDS}
-            rows.append(row)
-            if file is not None:
-                add(file, row)
-            print(f"{k} of {len(missing)}: {in_words(row)}", flush=True)
+    # processes that grow with their scenes are replaced: all at once, for a pool that replaces one by one may hang
+    for first in range(0, len(missing), BATCH):
+        with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+            batch = missing[first : first + BATCH]
+            jobs = [pool.submit(examine, number, positions, true_positions) for number in batch]
+            for k, job in enumerate(as_completed(jobs), first + 1):
+                row = {name: job.result().get(name, "") for name in FIELDS}
+                rows.append(row)
+                if file is not None:
+                    add(file, row)
+                print(f"{k} of {len(missing)}: {in_words(row)}", flush=True)
     return rows
 
 

@@ -22,8 +22,8 @@ import matplotlib
 import numpy as np
 from checks import RESULTS, Check, run, save, show
 
+from slmm.criteria.coupled_curves import criticals
 from slmm.initiation.cells import cell_curves, place_cells, select_modes
-from slmm.initiation.curves import criticals
 from slmm.initiation.local_model import solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.positions import find_positions

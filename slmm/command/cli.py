@@ -90,6 +90,12 @@ def initiation(
         bool | None,
         typer.Option("--average", help="Compare the mean stress over the crack with the strength."),
     ] = None,
+    criterion: Annotated[
+        str | None,
+        typer.Option(
+            help="coupled, rankine, point, line, griffith: judges what a method finds that is no criterion itself."
+        ),
+    ] = None,
     tolerance: Annotated[
         float | None,
         typer.Option(
@@ -128,6 +134,7 @@ def initiation(
                 curves=True,
                 database=database,
                 average=average,
+                criterion=criterion,
                 tolerance=tolerance,
                 displacements=displacements,
                 progress=progress,

@@ -18,13 +18,9 @@ from slmm.initiation.task import Answer, Task
 AWAY_FROM_TIPS = 2
 #: depths of a path as shares of its ligament, where the largest stress is looked for; the far side has one of its own
 DEPTHS = np.linspace(0.0, 0.99, 100) ** 2
-#: methods that have no strength, or another one than the largest principal stress
-NO_STRENGTH = ("griffith", "mises")
-#: methods for which the largest stress on the path counts in place of the surface's
-ON_PATH = ("point", "line")
 
 
-def upper_bounds(task: Task, answer: Answer, method: str) -> np.ndarray:
+def upper_bounds(task: Task, answer: Answer) -> np.ndarray:
     """Upper bounds (n,) of the failure index: value and error, or strength; infinite where nothing is known.
 
     A body-fitted model is solved only where positions without a value leave it open whether a crack starts.
@@ -32,18 +28,16 @@ def upper_bounds(task: Task, answer: Answer, method: str) -> np.ndarray:
     Parameters
     ----------
     task : Task
-    answer : Answer
-        Of ``method``.
-    method : str
         Its criterion decides which stress bounds the index.
+    answer : Answer
     """
     with np.errstate(divide="ignore"):
         index = 1 / answer.load_factor
     missing = answer.status != "ok"
     bound = np.where(missing, np.inf, index + np.nan_to_num(answer.index_error, nan=0.0))
-    if method in NO_STRENGTH:
+    if task.criterion.bounded_by == "nothing":
         return bound
-    whole_path = task.average or method in ON_PATH
+    whole_path = task.criterion.bounded_by == "path"
     if not whole_path:
         stress, error = answer.curves.sigma_I[:, 0], answer.curves.sigma_error[:, 0]
         known = missing & task.smooth & np.isfinite(stress) & np.isfinite(error)

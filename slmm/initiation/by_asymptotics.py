@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from slmm.criteria.coupled import ENERGY, NONE
+from slmm.criteria.griffith import NO_CRACK, energy_release_rate
+from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.fem.plate_model import PlateModel
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.asymptotics import (
@@ -19,7 +21,6 @@ from slmm.initiation.asymptotics import (
     sharp_curves,
 )
 from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
-from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notches import VNotch, notch_at
 from slmm.mechanics.stress import principal_stress
@@ -40,7 +41,6 @@ BESIDE_ROOT = 0.01
 #: stress across the bisector over all stress there at which a notch or crack closes; above, it is round-off
 CLOSED = -1e-3
 
-NO_CRACK = "no crack: Griffith's criterion needs a crack tip"
 CLOSES = "the crack closes: its faces would touch, which the model does not see"
 COMPRESSED = "compressed across the bisector, where no crack opens"
 TOUCHED = "no notch of its own: something else touches its tip"
@@ -102,12 +102,12 @@ def by_griffith(task: Task) -> Answer:
                 continue
             K = ROOT_2_PI * np.array([max(found.k_1, 0.0), found.k_2])
             change = ROOT_2_PI * np.array([found.error_1, found.error_2])
-            G = float(K @ K) / material.plane_stress_equivalent[0]
+            G = energy_release_rate(float(K[0]), float(K[1]), material)
             answer.column("energy_release_rate")[i] = G
-            answer.load_factor[i] = np.sqrt(material.G_c / G)
-            answer.crack_length[i], answer.governed_by[i] = 0.0, ENERGY
-            answer.error[i] = np.abs(K) @ change / (K @ K)
-            answer.status[i] = "ok"
+            error = 2 * np.abs(K) @ change / (K @ K)
+            mouth = np.zeros((1, 1))
+            curves = PathCurves(mouth, mouth + G, mouth + np.inf, mouth + error, mouth)
+            answer.put(np.array([i]), task.criterion.judge(curves, material), NO_CRACK)
     return answer
 
 
@@ -302,8 +302,8 @@ def _judge(task: Task, answer: Answer, i: int, notch: VNotch, curves_at: CurvesA
         answer.judge(np.array([i]), curves, task, TOO_SHORT)
         if answer.status[i] == "ok":
             break
-    length = answer.crack_length[i]
-    if answer.governed_by[i] == ENERGY:
+    length = max(np.nan_to_num(answer.crack_length[i]), task.criterion.depth(task.scene.material))
+    if answer.governed_by[i] == ENERGY and "stress" in task.criterion.needs:
         # any crack would do that the stress allows at this load: what lies farther inside the body decides which
         allowed = curves.sigma_I[0] * answer.load_factor[i] >= task.scene.material.sigma_c
         length = curves.a[0, allowed].max()

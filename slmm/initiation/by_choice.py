@@ -24,10 +24,10 @@ from time import perf_counter
 import numpy as np
 
 from slmm.criteria.coupled import NONE
+from slmm.criteria.coupled_curves import index_bounds
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
 from slmm.initiation.cell_errors import reference_stress
-from slmm.initiation.curves import index_bounds
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
 
@@ -132,7 +132,7 @@ class _Choice:
         began = perf_counter()
         found = method(self.task.among(rows))
         status = found.status.copy()
-        if not self.task.average:
+        if self.task.by_least_stress:
             _take_bounds(found, self.task)
         known = self.answer
         known.spend({name: (len(rows), perf_counter() - began)})
@@ -212,7 +212,7 @@ def _cells_or_strength(task: Task) -> Answer:
         answer.status[rows] = f"no mesh: {error}"
         return answer
     answer.provenance |= provenance
-    if not task.average:
+    if task.by_least_stress:
         strength_on(local, task, answer, rows)
     cells_on(local, task, True, answer, rows[answer.status[rows] != "ok"])
     return answer

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
 from slmm.initiation.cell_errors import faded, reference_stress
-from slmm.initiation.curves import PathCurves, path_points
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
 from slmm.initiation.meta_model import polynomial_matrix
 from slmm.initiation.task import Answer, Task

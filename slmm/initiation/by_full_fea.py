@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from slmm.initiation.curves import PathCurves, path_points
+from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.initiation.full_fea import LEVELS, FullFEA, full_fea_curves
 from slmm.initiation.paths import IN_LIGAMENT, ligament_end
 from slmm.initiation.task import Answer, Task

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline, interp1d
 
+from slmm.criteria.path_curves import CURVE_POINTS, PathCurves
 from slmm.initiation import control
 from slmm.initiation.cell_errors import energy_error, faded, reference_stress, relative_change, stress_error
 from slmm.initiation.contact import tip_opening, until_closed
-from slmm.initiation.curves import CURVE_POINTS, PathCurves
 from slmm.initiation.local_model import LocalField
 from slmm.initiation.meta_model import MetaModel, polynomial_matrix
 from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points, fit_cells, grow_cells

@@ -12,9 +12,11 @@ import xarray as xr
 
 from slmm import __version__
 from slmm.criteria.coupled import GOVERNED_BY
+from slmm.criteria.coupled_curves import Coupled
+from slmm.criteria.criterion import CRITERIA, Criterion
 from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.meta_model import shipped_database
-from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS
+from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
 from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import find_peaks, positions_at
@@ -48,6 +50,7 @@ def failure_indices(
     displacements: Any = None,
     progress: Progress = lambda fraction, text: None,
     field: str | None = None,
+    criterion: str | None = None,
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
@@ -84,6 +87,9 @@ def failure_indices(
         Called with the finished fraction and what is being done.
     field : str, optional
         Which nodal data of a file of displacements they are, see `slmm.results.results.read_displacements`.
+    criterion : str, optional
+        One of `CRITERIA` ("rankine", "point", "line", "griffith") in place of the coupled one, on what a method finds
+        that is no criterion itself: ("dislocations", criterion="point"). By default what the scene asks for.
 
     Returns
     -------
@@ -121,6 +127,9 @@ def failure_indices(
     method = analysis.method if method is None else method
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: available are {', '.join(METHODS)}")
+    if criterion is None and METHODS[method].criterion == "coupled":
+        criterion = analysis.criterion
+    judge = chosen_criterion(method, criterion, analysis.average if average is None else average)
     settings = analysis.settings if settings is None else settings
     if isinstance(settings, str):
         if settings not in SETTINGS:
@@ -137,24 +146,27 @@ def failure_indices(
         scene,
         where,
         trial_paths(scene, where),
-        analysis.average if average is None else average,
+        judge,
         analysis.tolerance if tolerance is None else tolerance,
         settings,
         Path(database) if database is not None else shipped_database(),
         given,
         progress,
     )
+    source = SOURCES[METHODS[method].source]
     if severed := scene.part.is_severed:
         answer = Answer.empty(task.n, "none")
         answer.status[:] = SEVERED
     else:
-        answer = METHODS[method](task)
+        answer = source.answer(task)
     if refined and not severed:
-        task, answer = with_peaks(task, answer, METHODS[method])
+        task, answer = with_peaks(task, answer, source.answer)
     # behind the method, which need not be dearer for what the picture of the notch leaves open
     add_outline_error(task, answer)
-    bound = upper_bounds(task, answer, method)
+    bound = upper_bounds(task, answer)
     answer.provenance = {"method": method} | answer.provenance
+    if criterion is not None:
+        answer.provenance["criterion"] = criterion
     if severed:
         answer.provenance["pieces"] = len(scene.part.pieces)
     if answer.cost:
@@ -165,6 +177,33 @@ def failure_indices(
         answer.provenance["displacements"] = given.source
     progress(1.0, "done")
     return _dataset(task, answer, bound, curves)
+
+
+def chosen_criterion(method: str, name: str | None, average: bool) -> Criterion:
+    """The criterion of a method, or another one in its place.
+
+    Raises
+    ------
+    ValueError
+        When there is none of the name, the method is one criterion and no other, or gives less than it needs.
+    """
+    own = METHODS[method].criterion
+    if name is None or name == own:
+        return Coupled(average) if own == "coupled" else CRITERIA[own]
+    if own != "coupled":
+        raise ValueError(
+            f"criterion = {name!r}: the method {method} is one itself; ask another method for it"
+        )
+    if name not in CRITERIA:
+        raise ValueError(f"criterion = {name!r}: available are {', '.join(CRITERIA)}")
+    if average:
+        raise ValueError(f"average: belongs to the coupled criterion, not to {name}")
+    wanted = CRITERIA[name]
+    if lacking := wanted.needs - SOURCES[METHODS[method].source].gives:
+        raise ValueError(
+            f"criterion = {name!r}: the method {method} gives no {' and no '.join(sorted(lacking))}"
+        )
+    return wanted
 
 
 def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> tuple[Task, Answer]:

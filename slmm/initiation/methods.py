@@ -1,38 +1,82 @@
-"""The methods by their names; what one needs is loaded when it is asked."""
+"""Methods by their names: pairs of a source, which gives curves along the paths, and a criterion that judges them.
+
+What a source needs is loaded when it is asked. One more is one file and a line here.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from slmm.initiation.task import Answer, Task
 
 
-def _from(module: str, function: str, **options: Any) -> Callable[[Task], Answer]:
-    """A method that stands in a module of this folder."""
+@dataclass(frozen=True)
+class Source:
+    """Where energy and stress along the paths come from.
 
-    def method(task: Task) -> Answer:
+    Parameters
+    ----------
+    answer : callable
+        Takes a `Task`, has its criterion judge what it finds, and gives an `Answer`.
+    gives : set of str
+        Of "stress", "energy", "equivalent stress"; a criterion that needs more cannot be asked.
+    on_displacements : bool
+        Whether it can take the uncracked part from the user's own displacements.
+    """
+
+    answer: Callable[[Task], Answer]
+    gives: frozenset[str]
+    on_displacements: bool = False
+
+
+def _from(module: str, function: str, **options: Any) -> Callable[[Task], Answer]:
+    """A source that stands in a module of this folder."""
+
+    def answer(task: Task) -> Answer:
         found: Callable[..., Answer] = getattr(import_module(f"slmm.initiation.{module}"), function)
         return found(task, **options)
 
-    return method
+    return answer
 
 
-METHODS: dict[str, Callable[[Task], Answer]] = {
-    "rankine": _from("by_stress", "by_stress", method="rankine"),
-    "mises": _from("by_stress", "by_stress", method="mises"),
-    "point": _from("by_stress", "by_stress", method="point"),
-    "line": _from("by_stress", "by_stress", method="line"),
-    "slmm": _from("by_cells", "by_cells", auto_control=False),
-    "slmm+ac": _from("by_cells", "by_cells", auto_control=True),
-    "asymptotics": _from("by_asymptotics", "by_asymptotics"),
-    "griffith": _from("by_asymptotics", "by_griffith"),
-    "dislocations": _from("by_dislocations", "by_dislocations"),
-    "full-fea": _from("by_full_fea", "by_full_fea"),
-    "auto": _from("by_choice", "by_choice"),
+CURVES = frozenset({"stress", "energy"})
+
+SOURCES: dict[str, Source] = {
+    "stress": Source(_from("by_stress", "by_stress"), frozenset({"stress", "equivalent stress"}), True),
+    "held cells": Source(_from("by_cells", "by_cells", auto_control=False), CURVES, True),
+    "cells": Source(_from("by_cells", "by_cells", auto_control=True), CURVES, True),
+    "asymptotics": Source(_from("by_asymptotics", "by_asymptotics"), CURVES),
+    "crack tips": Source(_from("by_asymptotics", "by_griffith"), frozenset({"energy"})),
+    "dislocations": Source(_from("by_dislocations", "by_dislocations"), CURVES),
+    "full FEA": Source(_from("by_full_fea", "by_full_fea"), CURVES),
+    "auto": Source(_from("by_choice", "by_choice"), CURVES, True),
+}
+
+
+class Method(NamedTuple):
+    """A source and the criterion that judges it, by their names."""
+
+    source: str
+    criterion: str
+
+
+METHODS: dict[str, Method] = {
+    "rankine": Method("stress", "rankine"),
+    "mises": Method("stress", "mises"),
+    "point": Method("stress", "point"),
+    "line": Method("stress", "line"),
+    "slmm": Method("held cells", "coupled"),
+    "slmm+ac": Method("cells", "coupled"),
+    "asymptotics": Method("asymptotics", "coupled"),
+    "griffith": Method("crack tips", "griffith"),
+    "dislocations": Method("dislocations", "coupled"),
+    "full-fea": Method("full FEA", "coupled"),
+    "auto": Method("auto", "coupled"),
 }
 
 #: methods that can take the uncracked part from the user's own displacements
-ON_DISPLACEMENTS = ("rankine", "mises", "point", "line", "slmm", "slmm+ac", "auto")
+ON_DISPLACEMENTS = tuple(name for name, method in METHODS.items() if SOURCES[method.source].on_displacements)

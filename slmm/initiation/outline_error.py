@@ -15,8 +15,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from slmm.criteria.coupled import critical_load, stress_over_crack
+from slmm.criteria.coupled_curves import Coupled
+from slmm.criteria.path_curves import path_points
 from slmm.initiation.asymptotics import blunted_curves, critical_intensity, sharp_curves
-from slmm.initiation.curves import path_points
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notch_table import load_v_notches
 from slmm.mechanics.material import Material
@@ -53,7 +54,7 @@ def outline_error(task: Task, answer: Answer) -> np.ndarray:
         accuracy, points = outline.accuracy, where.points[rows]
         of_waves = waves_error(accuracy, points, np.nan_to_num(answer.crack_length[rows]))
         radius = outline.length / (2 * np.pi)
-        of_tips = tips_error(accuracy, points, radius, material, task.average)
+        of_tips = tips_error(accuracy, points, radius, material, task.criterion == Coupled(average=True))
         # stress rises at most as the root of the notch's size, and as the ligament becomes thinner
         of_offset = accuracy.offset * (
             0.5 / radius + 1 / np.maximum(task.paths.ligament[rows], accuracy.offset)

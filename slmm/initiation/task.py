@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from slmm.criteria.coupled import NONE
-from slmm.initiation.curves import PathCurves, criticals
+from slmm.criteria.coupled_curves import Coupled
+from slmm.criteria.criterion import Criterion
+from slmm.criteria.path_curves import Critical, PathCurves
 from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
@@ -28,8 +30,8 @@ class Task:
     scene : Scene
     where : Positions
     paths : Paths
-    average : bool
-        Compare the mean stress over the crack with the strength.
+    criterion : Criterion
+        What judges the curves.
     tolerance : float
         Relative error of the failure index that auto aims at.
     settings : Settings
@@ -46,7 +48,7 @@ class Task:
     scene: Scene
     where: Positions
     paths: Paths
-    average: bool
+    criterion: Criterion
     tolerance: float
     settings: Settings
     database: Path
@@ -58,6 +60,11 @@ class Task:
     def n(self) -> int:
         """Number of positions."""
         return len(self.where.s)
+
+    @property
+    def by_least_stress(self) -> bool:
+        """Whether the criterion is the coupled one with the least stress, whose curves bound the index."""
+        return self.criterion == Coupled()
 
     @property
     def smooth(self) -> np.ndarray:
@@ -89,7 +96,7 @@ class Answer:
         NaN where there is no value; ``error`` is the relative one, as the method itself estimates it, or where the
         index is 0 (the load factor infinite) that of the index.
     governed_by : ndarray (n,) of int
-        Index into `criterion.GOVERNED_BY`.
+        Index into `coupled.GOVERNED_BY`.
     status, method, reason : ndarray (n,) of str
         "ok" or why there is no value; which method gave it; why this one.
     curves : PathCurves
@@ -142,7 +149,7 @@ class Answer:
         too_short: str,
         complete: np.ndarray | None = None,
     ) -> None:
-        """Apply the coupled criterion to the curves of some positions.
+        """Apply the task's criterion to the curves of some positions.
 
         Parameters
         ----------
@@ -156,13 +163,17 @@ class Answer:
         complete : ndarray (n,) of bool, optional
             Which paths go through the whole ligament.
         """
-        found = criticals(curves, task.scene.material, task.average, complete)
+        self.put(rows, task.criterion.judge(curves, task.scene.material, complete), too_short)
+        self.curves.put(rows, curves)
+
+    def put(self, rows: np.ndarray, found: Critical, too_short: str) -> None:
+        """Take over what a criterion found at some positions; ``too_short`` is the status where curves end early."""
         self.load_factor[rows] = found.load_factor
         self.crack_length[rows] = found.crack_length
         self.governed_by[rows] = found.governed_by
         self.error[rows] = found.error
-        self.status[rows] = np.where(np.isnan(found.load_factor), too_short, "ok")
-        self.curves.put(rows, curves)
+        why = np.where(found.refused == "", too_short, found.refused)
+        self.status[rows] = np.where(np.isnan(found.load_factor), why, "ok")
 
     @property
     def index_error(self) -> np.ndarray:

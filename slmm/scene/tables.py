@@ -24,6 +24,9 @@ Method = Literal[
 ]
 
 
+Criterion = Literal["coupled", "rankine", "point", "line", "griffith"]
+
+
 class Crack(Table):
     """Initial crack along points (mm): an end in the material is a tip, others lie on a surface or another crack."""
 
@@ -109,7 +112,8 @@ class Analysis(Table):
     ``points`` (mm), when given, take the place of ``positions`` equally spaced ones on every hole.
     ``void_stiffness`` is the stiffness of a hole's voxels as a share of the material's. ``settings`` are the
     package's own or those that Paper A published. ``average`` compares the mean stress over the crack with the
-    strength (thesis Eq. 3.21). ``tolerance`` is the relative error of the failure index that the method "auto"
+    strength (thesis Eq. 3.21). ``criterion`` judges what a method finds that is no criterion itself, in place of the
+    coupled one. ``tolerance`` is the relative error of the failure index that the method "auto"
     aims at; of indices below a quarter of the largest it is that of the quarter. ``local_model`` is what crack
     cells and strength criteria take the uncracked part's field from.
     """
@@ -122,6 +126,7 @@ class Analysis(Table):
     settings: Literal["default", "published"] = "default"
     local_model: Literal["voxels", "body-fitted"] = "voxels"
     average: Annotated[bool, Field(strict=True)] = False
+    criterion: Criterion | None = None
     tolerance: Annotated[Number, Field(ge=0.0005, le=0.5)] = 0.02
 
     @field_validator("voxels", mode="before")
@@ -133,7 +138,9 @@ class Analysis(Table):
         return voxels
 
     @model_validator(mode="after")
-    def _one_choice_of_positions(self) -> Self:
+    def _no_contradictions(self) -> Self:
         if self.points is not None and "positions" in self.model_fields_set:
             raise ValueError("positions and points contradict each other; give one of them")
+        if self.average and self.criterion not in (None, "coupled"):
+            raise ValueError(f'average = true contradicts criterion = "{self.criterion}"; give one of them')
         return self

@@ -7,16 +7,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from slmm import Material, failure_indices
-from slmm.initiation.by_stress import (
-    NEAR,
-    SINGULAR,
-    TOO_DEEP,
-    distance_to_tips,
-    line_distance,
-    line_method,
-    point_distance,
-    point_method,
-)
+from slmm.criteria.distances import TOO_DEEP, line_distance, line_method, point_distance, point_method
+from slmm.criteria.surface import SINGULAR
+from slmm.initiation.by_stress import NEAR, distance_to_tips
 from slmm.scene import gallery
 
 pytest.importorskip("netgen")

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from slmm import Scene, failure_indices
-from slmm.initiation.curves import PathCurves, criticals
+from slmm.criteria.coupled_curves import criticals
+from slmm.criteria.path_curves import PathCurves
 from slmm.mechanics.material import Material
 from slmm.scene import gallery
 

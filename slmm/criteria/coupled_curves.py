@@ -1,74 +1,42 @@
-"""Energy and stress along the trial paths of some positions, with estimates of their errors, and the index's own."""
+"""The coupled criterion on curves with errors: the index, its own error, and bounds where curves end too early."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from slmm.criteria.coupled import BOTH, ENERGY, NONE, critical_load, stress_over_crack
+from slmm.criteria.path_curves import Critical, PathCurves
 from slmm.mechanics.material import Material
 
-#: points of the curves along a crack path, dense towards the surface
-CURVE_POINTS = 201
-
 
 @dataclass(frozen=True)
-class PathCurves:
-    """What a method says about n positions, at CURVE_POINTS points of each path.
+class Coupled:
+    """Leguillon's coupled criterion, a `criterion.Criterion`.
 
-    Attributes
+    Parameters
     ----------
-    a : ndarray (n, CURVE_POINTS)
-        Crack length and, alike, distance from the notch, mm, ascending from 0; NaN where there is no curve.
-    G_inc : ndarray (n, CURVE_POINTS)
-        Incremental energy release rate, N/mm.
-    sigma_I : ndarray (n, CURVE_POINTS)
-        Maximum principal stress without the new crack, MPa; inf at a corner or a crack tip.
-    G_error, sigma_error : ndarray (n, CURVE_POINTS)
-        Estimates of the relative errors; NaN where the method has none.
+    average : bool
+        Compare the mean stress over the crack with the strength (thesis Eq. 3.21), not the least.
     """
 
-    a: np.ndarray
-    G_inc: np.ndarray
-    sigma_I: np.ndarray
-    G_error: np.ndarray
-    sigma_error: np.ndarray
+    average: bool = False
+    needs: ClassVar[frozenset[str]] = frozenset({"stress", "energy"})
 
-    @classmethod
-    def empty(cls, n: int) -> PathCurves:
-        """Curves without values."""
-        return cls(*(np.full((n, CURVE_POINTS), np.nan) for _ in fields(cls)))
+    @property
+    def bounded_by(self) -> str:
+        """The least stress over a crack cannot exceed that at the surface, the mean that anywhere on the path."""
+        return "path" if self.average else "surface"
 
-    def rows(self, rows: np.ndarray) -> PathCurves:
-        """The curves of some positions."""
-        return PathCurves(*(getattr(self, field.name)[rows] for field in fields(self)))
+    def depth(self, material: Material) -> float:
+        """How deep it looks whatever the crack, mm: nowhere but along the crack."""
+        return 0.0
 
-    def put(self, rows: np.ndarray, other: PathCurves) -> None:
-        """Take over the curves of another method at some positions."""
-        for field in fields(self):
-            getattr(self, field.name)[rows] = getattr(other, field.name)
-
-
-@dataclass(frozen=True)
-class Critical:
-    """The criterion applied to n positions.
-
-    Attributes
-    ----------
-    load_factor, crack_length : ndarray (n,)
-        NaN where the curves end before both conditions meet; infinite load factor where there is no tension.
-    governed_by : ndarray (n,) of int
-        Index into `criterion.GOVERNED_BY`.
-    error : ndarray (n,)
-        Estimate of the relative error of the load factor and of the failure index; where no load starts a crack, the
-        index that the errors of the stress allow.
-    """
-
-    load_factor: np.ndarray
-    crack_length: np.ndarray
-    governed_by: np.ndarray
-    error: np.ndarray
+    def judge(self, curves: PathCurves, material: Material, complete: np.ndarray | None = None) -> Critical:
+        """See `criticals`."""
+        return criticals(curves, material, self.average, complete)
 
 
 def criticals(
@@ -79,9 +47,8 @@ def criticals(
     Where the load found lets the strength be exceeded all along the curves, longer cracks could need less: no value,
     unless a path is ``complete`` (n,), ie. goes through the whole ligament.
     """
-    n = len(curves.a)
-    load_factor, length, error = (np.full(n, np.nan) for _ in range(3))
-    code = np.full(n, NONE)
+    found = Critical.empty(len(curves.a))
+    load_factor, length, error, code = found.load_factor, found.crack_length, found.error, found.governed_by
     with np.errstate(invalid="ignore"):
         strength = stress_over_crack(curves.a, curves.sigma_I, average)
         strength_error = _error_over_crack(curves, strength, average)
@@ -105,7 +72,7 @@ def criticals(
             length[i],
             code[i],
         )
-    return Critical(load_factor, length, code, error)
+    return found
 
 
 def index_bounds(curves: PathCurves, material: Material) -> tuple[np.ndarray, np.ndarray]:
@@ -178,8 +145,3 @@ def _index_error(a, G_inc, strength, G_error, strength_error, length, code):
     p = np.log(max(strength[first], 1e-300) / max(strength[last], 1e-300)) / span
     q, p = max(q, 1e-6), min(max(p, 0.0), 1e6)
     return (q * e_s + p * e_G) / (q + 2 * p)
-
-
-def path_points(a_max: np.ndarray) -> np.ndarray:
-    """Points (n, CURVE_POINTS) from 0 to a_max (n,), dense towards the surface, mm."""
-    return a_max[:, None] * np.linspace(0.0, 1.0, CURVE_POINTS) ** 2
