@@ -9,11 +9,9 @@ import numpy as np
 
 from slmm.criteria.coupled import stress_over_crack
 from slmm.criteria.path_curves import Critical, PathCurves
+from slmm.criteria.status import Status
 from slmm.mechanics.material import Material
 
-TOO_DEEP = (
-    "the stress sinks to zero within the critical distance, or the path ends: no critical distance applies"
-)
 #: points along the distance that the line method averages over
 SAMPLES = 41
 
@@ -109,14 +107,14 @@ class CriticalDistance:
             a, sigma = curves.a[i], curves.sigma_I[i]
             if a[-1] < depth * (1 - 1e-9):
                 if complete is not None and complete[i]:
-                    found.refused[i] = TOO_DEEP
+                    found.refused[i] = Status.TOO_DEEP
                 continue
             finite = np.isfinite(sigma)
             within = finite & (a <= depth * (1 + 1e-9))
             error = float(np.max(curves.sigma_error[i, within] * np.abs(sigma[within]), initial=0.0))
             value = float(sigma[finite][0]) if (sigma[finite] <= 0).all() else method(a, sigma, material)
             if np.isnan(value):
-                found.refused[i] = TOO_DEEP
+                found.refused[i] = Status.TOO_DEEP
                 continue
             found.put_stress(i, value, error, material.sigma_c)
         return found

@@ -9,9 +9,8 @@ import numpy as np
 
 from slmm.criteria.coupled import ENERGY
 from slmm.criteria.path_curves import Critical, PathCurves
+from slmm.criteria.status import Status
 from slmm.mechanics.material import Material
-
-NO_CRACK = "no crack: Griffith's criterion needs a crack tip"
 
 
 def energy_release_rate(K_I: float, K_II: float, material: Material) -> float:
@@ -42,7 +41,7 @@ class Griffith:
         for i in np.flatnonzero(np.isfinite(curves.G_inc[:, 0])):
             G = curves.G_inc[i, 0]
             if not G > 0:
-                found.refused[i] = NO_CRACK
+                found.refused[i] = Status.NO_CRACK
                 continue
             found.load_factor[i], found.crack_length[i] = np.sqrt(material.G_c / G), 0.0
             found.governed_by[i], found.error[i] = ENERGY, 0.5 * curves.G_error[i, 0]

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slmm.criteria.path_curves import Critical, PathCurves
+from slmm.criteria.status import Status
 from slmm.mechanics.material import Material
-
-SINGULAR = "the stress at a corner or crack tip is infinite: no strength criterion applies"
 
 
 def mises_stress(across: np.ndarray, along: np.ndarray, shear: np.ndarray, material: Material) -> np.ndarray:
@@ -59,7 +58,7 @@ class Strength:
         found = Critical.empty(len(curves.a))
         for i, sigma in enumerate(curves.sigma_I[:, 0]):
             if np.isinf(sigma):
-                found.refused[i] = SINGULAR
+                found.refused[i] = Status.SINGULAR
             elif np.isfinite(sigma):
                 found.put_stress(
                     i, float(sigma), float(curves.sigma_error[i, 0] * abs(sigma)), material.sigma_c

@@ -11,6 +11,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.task import Answer, Task
 
@@ -33,7 +34,7 @@ def upper_bounds(task: Task, answer: Answer) -> np.ndarray:
     """
     with np.errstate(divide="ignore"):
         index = 1 / answer.load_factor
-    missing = answer.status != "ok"
+    missing = answer.status != Status.OK
     bound = np.where(missing, np.inf, index + np.nan_to_num(answer.index_error, nan=0.0))
     if task.criterion.bounded_by == "nothing":
         return bound

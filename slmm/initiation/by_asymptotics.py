@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from slmm.criteria.coupled import ENERGY, NONE
-from slmm.criteria.griffith import NO_CRACK, energy_release_rate
+from slmm.criteria.griffith import energy_release_rate
 from slmm.criteria.path_curves import PathCurves, path_points
+from slmm.criteria.status import Status
 from slmm.fem.plate_model import PlateModel
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.asymptotics import (
@@ -41,10 +42,6 @@ BESIDE_ROOT = 0.01
 #: stress across the bisector over all stress there at which a notch or crack closes; above, it is round-off
 CLOSED = -1e-3
 
-CLOSES = "the crack closes: its faces would touch, which the model does not see"
-COMPRESSED = "compressed across the bisector, where no crack opens"
-TOUCHED = "no notch of its own: something else touches its tip"
-TOO_SHORT = "crack longer than the path"
 ROOT_2_PI = float(np.sqrt(2 * np.pi))
 
 
@@ -89,7 +86,7 @@ def by_griffith(task: Task) -> Answer:
     model has neither: such a tip gets a status.
     """
     answer = Answer.empty(task.n, "griffith")
-    answer.status[:] = NO_CRACK
+    answer.status[:] = Status.NO_CRACK
     material = task.scene.material
     notches = find_notches(task, answer, np.flatnonzero(task.where.tip >= 0).tolist())
     model = notch_model(task, answer, notches)
@@ -98,7 +95,7 @@ def by_griffith(task: Task) -> Answer:
             found = intensities(model, notch, task)
             note_intensities(answer, i, notch, found)
             if is_closed(found, notch):
-                answer.status[i] = CLOSES
+                answer.status[i] = Status.CLOSES
                 continue
             K = ROOT_2_PI * np.array([max(found.k_1, 0.0), found.k_2])
             change = ROOT_2_PI * np.array([found.error_1, found.error_2])
@@ -107,7 +104,7 @@ def by_griffith(task: Task) -> Answer:
             error = 2 * np.abs(K) @ change / (K @ K)
             mouth = np.zeros((1, 1))
             curves = PathCurves(mouth, mouth + G, mouth + np.inf, mouth + error, mouth)
-            answer.put(np.array([i]), task.criterion.judge(curves, material), NO_CRACK)
+            answer.put(np.array([i]), task.criterion.judge(curves, material), Status.NO_CRACK)
     return answer
 
 
@@ -122,7 +119,7 @@ def find_notches(task: Task, answer: Answer, rows: Iterable[int]) -> dict[int, V
             answer.status[i] = str(error)
             continue
         if notch.clear <= TOLERANCE * max(plate.width, plate.height):
-            answer.status[i] = TOUCHED
+            answer.status[i] = Status.TOUCHED
         else:
             found[i] = notch
     return found
@@ -141,9 +138,9 @@ def notch_model(task: Task, answer: Answer, notches: dict[int, VNotch]) -> BodyF
     try:
         model = solve_body_fitted(task.scene, fine_at=(np.concatenate(points), np.concatenate(sizes)))
     except MesherError as error:
-        answer.status[list(notches)] = f"no mesh: {error}"
+        answer.status[list(notches)] = Status.NO_MESH.of(error)
         return None
-    answer.provenance |= {"local_model": "body-fitted", "nodes": len(model.fine.points)}
+    answer.note(local_model="body-fitted", nodes=len(model.fine.points))
     return model
 
 
@@ -199,7 +196,7 @@ def _at_tip(task: Task, answer: Answer, i: int, model: BodyFitted, notch: VNotch
     if is_closed(found, notch):
         tension = sharp_curves(notch.clear, found.k_1, found.k_2, notch.opening, E)[1]
         if notch.opening == 0 or tension > 0:
-            answer.status[i] = CLOSES if notch.opening == 0 else COMPRESSED
+            answer.status[i] = Status.CLOSES if notch.opening == 0 else Status.COMPRESSED
             return None
     return lambda a: tip_curves(a, model, notch, found, E)
 
@@ -245,10 +242,10 @@ def _at_root(task: Task, answer: Answer, i: int, model: BodyFitted, notch: VNotc
     stress, error = root_stress(task, i, model, notch)
     above = stress_above_root(stress)
     if above > BESIDE_ROOT:
-        answer.status[i] = f"mixed mode: the stress beside the root exceeds the root's by {above:.2g} of it"
+        answer.status[i] = Status.MIXED.of(above)
         return None
     table = load_v_notches()
-    answer.provenance |= {"v_notches": table.checksum}
+    answer.note(v_notches=table.checksum)
     k_1 = intensity_from_root_stress(stress[1], notch.radius, notch.opening, table)
     k_1_error = error / abs(stress[1])
     note_intensities(answer, i, notch, Intensities(k_1, np.nan, abs(k_1) * k_1_error, np.nan))
@@ -299,8 +296,8 @@ def _judge(task: Task, answer: Answer, i: int, notch: VNotch, curves_at: CurvesA
     """Apply the criterion, once more with a longer path where it ends too early; refuse what is not asymptotic."""
     for paths in (task.paths, task.paths.lengthened()):
         curves = curves_at(path_points(paths.longest[i : i + 1]))
-        answer.judge(np.array([i]), curves, task, TOO_SHORT)
-        if answer.status[i] == "ok":
+        answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
+        if answer.status[i] == Status.OK:
             break
     length = max(np.nan_to_num(answer.crack_length[i]), task.criterion.depth(task.scene.material))
     if answer.governed_by[i] == ENERGY and "stress" in task.criterion.needs:
@@ -309,14 +306,11 @@ def _judge(task: Task, answer: Answer, i: int, notch: VNotch, curves_at: CurvesA
         length = curves.a[0, allowed].max()
         answer.error[i] = 0.5 * curves.G_error[0, allowed].max()
     if length > ASYMPTOTIC * notch.clear:
-        answer.status[i] = (
-            f"crack of {length:.3g} mm longer than {ASYMPTOTIC:g} of the clear distance around the notch,"
-            f" {notch.clear:.3g} mm"
-        )
+        answer.status[i] = Status.NOT_ASYMPTOTIC.of(length, ASYMPTOTIC, notch.clear)
         for values in (answer.load_factor, answer.crack_length, answer.error):
             values[i] = np.nan
         answer.governed_by[i] = NONE
-    if answer.status[i] != "ok":
+    if answer.status[i] != Status.OK:
         # what the notch alone does say stays, as bounds
         within = min(task.paths.longest[i], ASYMPTOTIC * notch.clear)
         answer.curves.put(np.array([i]), curves_at(path_points(np.array([within]))))

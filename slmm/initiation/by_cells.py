@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from slmm.criteria.coupled import STRESS
+from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
 from slmm.initiation.local_model import SMALLEST_SIDE, LocalField, solve_local_model
@@ -24,11 +25,6 @@ FEWEST_VOXELS, MOST_VOXELS = 250**2, 2000**2
 #: stiffness of the coarser model's void over that of the finer one's
 STIFFER_VOID = 3.0
 
-TOO_SHORT = "crack longer than the cell"
-CORNER = "no cell: sharp corner"
-TIP = "no cell: crack tip"
-CRACKED = "no cell: the scene has cracks, which cells and voxels do not see"
-
 
 def by_cells(task: Task, auto_control: bool) -> Answer:
     """Answer of crack cells on the user's displacements, or on a voxel model of the scene."""
@@ -41,9 +37,9 @@ def by_cells(task: Task, auto_control: bool) -> Answer:
     try:
         local, provenance = local_field(task)
     except MesherError as error:
-        answer.status[rows] = f"no mesh: {error}"
+        answer.status[rows] = Status.NO_MESH.of(error)
         return answer
-    answer.provenance |= provenance
+    answer.note(**provenance)
     task.progress(0.6, f"{len(rows)} positions")
     cells_on(local, task, auto_control, answer, rows)
     return answer
@@ -51,10 +47,10 @@ def by_cells(task: Task, auto_control: bool) -> Answer:
 
 def rows_with_cells(task: Task, answer: Answer) -> np.ndarray:
     """Positions that may have cells; the others get their status."""
-    answer.status[np.isfinite(task.where.corner)] = CORNER
-    answer.status[task.where.tip >= 0] = TIP
+    answer.status[np.isfinite(task.where.corner)] = Status.CORNER
+    answer.status[task.where.tip >= 0] = Status.CRACK_TIP
     if task.scene.cracks:
-        answer.status[task.smooth] = CRACKED
+        answer.status[task.smooth] = Status.CRACKED
         return np.empty(0, dtype=int)
     return np.flatnonzero(task.smooth)
 
@@ -130,16 +126,16 @@ def cells_on(local: LocalField, task: Task, auto_control: bool, answer: Answer, 
             found = left[placed.rows]
             note_reasons(answer, left, placed)
             curves, weight, support = cell_curves(scene, outline, placed, meta, settings, auto_control)
-            answer.judge(found, curves, task, TOO_SHORT)
+            answer.judge(found, curves, task, Status.BEYOND_CELL)
             values = (placed.curvature, placed.height, weight, support, placed.misfit)
             for column, value in zip(columns, values, strict=True):
                 column[found] = value
-            left = left[answer.status[left] != "ok"]
-    answer.provenance |= {
-        "settings": json.dumps(settings.describe()),
-        "database": task.database.name,
-        "database_checksum": meta.checksum,
-    }
+            left = left[answer.status[left] != Status.OK]
+    answer.note(
+        settings=json.dumps(settings.describe()),
+        database=task.database.name,
+        database_checksum=meta.checksum,
+    )
 
 
 #: longest critical crack over Irwin's length where the stress hardly falls: that of a straight edge, 1/1.976
@@ -170,7 +166,7 @@ def strength_on(local: LocalField, task: Task, answer: Answer, rows: np.ndarray)
         found = on_k[placed.rows[enough]]
         answer.load_factor[found] = material.sigma_c / (0.5 * (high + low)[enough])
         answer.error[found], answer.governed_by[found] = relative[enough], STRESS
-        answer.status[found], answer.method[found] = "ok", "strength"
+        answer.status[found], answer.method[found] = Status.OK, "strength"
         answer.column("cell_height")[found] = placed.height[enough]
         answer.column("curvature")[found] = placed.curvature[enough]
 
@@ -179,4 +175,4 @@ def note_reasons(answer: Answer, rows: np.ndarray, placed: Placed) -> None:
     """Say why there is no cell at some of the positions, unless something has been said before."""
     without = np.setdiff1d(np.arange(len(rows)), placed.rows)
     for i, code in zip(rows[without], placed.stopped[without], strict=True):
-        answer.status[i] = answer.status[i] or f"no cell: {STOPPED[code]}"
+        answer.status[i] = answer.status[i] or Status.NO_CELL.of(STOPPED[code])

@@ -25,6 +25,7 @@ import numpy as np
 
 from slmm.criteria.coupled import NONE
 from slmm.criteria.coupled_curves import index_bounds
+from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
 from slmm.initiation.cell_errors import reference_stress
@@ -95,7 +96,7 @@ class _Choice:
     @property
     def index(self) -> np.ndarray:
         """Failure indices so far; NaN where there is none."""
-        return np.where(self.answer.status == "ok", 1 / self.answer.load_factor, np.nan)
+        return np.where(self.answer.status == Status.OK, 1 / self.answer.load_factor, np.nan)
 
     @property
     def largest(self) -> float:
@@ -106,7 +107,7 @@ class _Choice:
     @property
     def highest(self) -> np.ndarray:
         """What the index is at most (n,); infinite where nothing is known."""
-        known = self.answer.status == "ok"
+        known = self.answer.status == Status.OK
         error = np.nan_to_num(self.answer.index_error, nan=np.inf)
         return np.where(known, np.nan_to_num(self.index) + error, np.inf)
 
@@ -136,17 +137,17 @@ class _Choice:
             _take_bounds(found, self.task)
         known = self.answer
         known.spend({name: (len(rows), perf_counter() - began)})
-        has_value = found.status == "ok"
+        has_value = found.status == Status.OK
         error = np.where(has_value, np.nan_to_num(found.index_error, nan=np.inf), np.inf)
-        is_known = known.status[rows] == "ok"
+        is_known = known.status[rows] == Status.OK
         before = np.where(is_known, np.nan_to_num(known.index_error[rows], nan=np.inf), np.inf)
-        without = known.status[rows] != "ok"
+        without = known.status[rows] != Status.OK
         better = (has_value & (without | (error < before))) | (~has_value & without)
         known.take(rows[better], found.rows(better))
         self.settle()
         for k, i in enumerate(rows):
             if not self.settled[i]:
-                said = f"error {_percent(found.error[k])}" if status[k] == "ok" else str(status[k])
+                said = f"error {_percent(found.error[k])}" if status[k] == Status.OK else str(status[k])
                 self.passed_over[i].append(f"{name}: {said}")
 
     def ask_one_by_one(self, name: str, method: Callable[..., Answer], rows: np.ndarray) -> None:
@@ -191,7 +192,7 @@ class _Choice:
             else:
                 says = f"error {_percent(error)}, within {goal} of the quarter of the largest index"
             self.answer.reason[i] = says + (f"; passed over: {'; '.join(why)}" if why else "")
-        self.answer.provenance["tolerance"] = self.task.tolerance
+        self.answer.note(tolerance=self.task.tolerance)
         return self.answer
 
 
@@ -204,30 +205,30 @@ def _cells_or_strength(task: Task) -> Answer:
     try:
         load_meta_model(task.scene.material.plane_stress_equivalent[1], task.database)
     except PoissonNotHeldError as error:
-        answer.status[rows] = f"no cell: {error}"
+        answer.status[rows] = Status.NO_CELL.of(error)
         return answer
     try:
         local, provenance = local_field(task)
     except MesherError as error:
-        answer.status[rows] = f"no mesh: {error}"
+        answer.status[rows] = Status.NO_MESH.of(error)
         return answer
-    answer.provenance |= provenance
+    answer.note(**provenance)
     if task.by_least_stress:
         strength_on(local, task, answer, rows)
-    cells_on(local, task, True, answer, rows[answer.status[rows] != "ok"])
+    cells_on(local, task, True, answer, rows[answer.status[rows] != Status.OK])
     return answer
 
 
 def _take_bounds(found: Answer, task: Task) -> None:
     """Where curves ended too early: the middle of the bounds that they give, and half the difference as an error."""
     low, high = index_bounds(found.curves, task.scene.material)
-    rows = np.flatnonzero((found.status != "ok") & np.isfinite(low) & np.isfinite(high))
+    rows = np.flatnonzero((found.status != Status.OK) & np.isfinite(low) & np.isfinite(high))
     low, high = low[rows], high[rows]
     with np.errstate(divide="ignore", invalid="ignore"):
         found.load_factor[rows] = 2 / (low + high)
         found.error[rows] = np.where(high > 0, (high - low) / (high + low), 0.0)
     found.crack_length[rows], found.governed_by[rows] = np.nan, NONE
-    found.status[rows], found.method[rows] = "ok", BOUNDS
+    found.status[rows], found.method[rows] = Status.OK, BOUNDS
 
 
 def _percent(error: float) -> str:

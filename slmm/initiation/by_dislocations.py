@@ -6,6 +6,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from slmm.criteria.path_curves import PathCurves, path_points
+from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
 from slmm.initiation.cell_errors import faded, reference_stress
@@ -29,21 +30,18 @@ SAFETY, ENERGY_FLOOR, STRESS_FLOOR = 1.2, 3.2e-4, 1.6e-4
 #: positions whose dipoles are solved for at once
 CHUNK = 64
 
-SINGULAR = "a corner or crack tip, where dislocations do not start"
-TOO_SHORT = "crack longer than the dislocations reach"
-
 
 def by_dislocations(task: Task, coarseness: float = 1.0) -> Answer:
     """Answer from one body-fitted model of the uncracked part, its elements ``coarseness`` times the usual ones."""
     answer = Answer.empty(task.n, "dislocations")
-    answer.status[~task.smooth] = SINGULAR
+    answer.status[~task.smooth] = Status.NO_DISLOCATIONS
     rows = np.flatnonzero(task.smooth)
     if len(rows):
         task.progress(0.0, "body-fitted model")
         try:
             model = body_fitted_model(task.among(rows), coarseness)
         except MesherError as error:
-            answer.status[rows] = f"no mesh: {error}"
+            answer.status[rows] = Status.NO_MESH.of(error)
             return answer
         dislocations_on(model, task, answer, rows)
     return answer
@@ -84,18 +82,15 @@ def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndar
             ]
             for i, found in zip(chunk, dislocations.curves(trials), strict=True):
                 radius[i] = found.radius
-                answer.judge(np.array([i]), sampled(found, reference), task, TOO_SHORT)
+                answer.judge(np.array([i]), sampled(found, reference), task, Status.BEYOND_DISLOCATIONS)
         # once more with longer cracks where they are too short and may be longer, or with samples nearer to short ones
         reached = answer.curves.a[:, -1]
-        longer = (answer.status == TOO_SHORT) & (reached > 0.999 * longest)
+        longer = (answer.status == Status.BEYOND_DISLOCATIONS) & (reached > 0.999 * longest)
         shorter = answer.crack_length < SHORT * reached
         longest = np.where(longer, task.paths.lengthened().longest, longest)
         longest = np.where(shorter, answer.crack_length * CLOSE_UP, longest)
         left = left[(longer | shorter)[left] & (longest[left] > 1e-3 * reached[left])]
-    answer.provenance |= {
-        "local_model": "body-fitted",
-        "nodes": len(model.fine.points),
-    }
+    answer.note(local_model="body-fitted", nodes=len(model.fine.points))
 
 
 def sampled(found: DislocationCurves, reference: float) -> PathCurves:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from slmm.criteria.path_curves import PathCurves, path_points
+from slmm.criteria.status import Status
 from slmm.initiation.full_fea import LEVELS, FullFEA, full_fea_curves
 from slmm.initiation.paths import IN_LIGAMENT, ligament_end
 from slmm.initiation.task import Answer, Task
@@ -28,8 +29,6 @@ FEWER_LEVELS = 2
 LEAST = 1e-100
 #: of the stress, as a share of the largest along the path: two meshes may agree to more digits than either has (chosen)
 ROUND_OFF = 1e-6
-
-TOO_SHORT = "crack longer than the path"
 
 
 def by_full_fea(task: Task, least: float | None = None, reached: np.ndarray | None = None) -> Answer:
@@ -53,7 +52,7 @@ def by_full_fea(task: Task, least: float | None = None, reached: np.ndarray | No
     for k, outline in enumerate(task.scene.outlines):
         smooth = task.smooth & (task.where.hole == k)
         answer.column("curvature")[smooth] = 0.5 * outline.curvatures(task.where.s[smooth])
-    answer.provenance |= {"local_model": "body-fitted, with a slit for each position"}
+    answer.note(local_model="body-fitted, with a slit for each position")
     return answer
 
 
@@ -70,14 +69,14 @@ def _at_position(task: Task, answer: Answer, i: int, least: float | None, reache
             try:
                 model = _model(task, i, longest, levels)
             except (ValueError, RuntimeError) as error:
-                answer.status[i] = answer.status[i] or f"no mesh: {error}"
+                answer.status[i] = answer.status[i] or Status.NO_MESH.of(error)
                 break
             curves = sampled(model, float(task.where.corner[i]))
-            answer.judge(np.array([i]), curves, task, TOO_SHORT, np.array([model.severs]))
+            answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH, np.array([model.severs]))
             allowed = task.tolerance * max(1 / answer.load_factor[i], least or 0.0)
-            if answer.status[i] != "ok" or answer.index_error[i] <= allowed:
+            if answer.status[i] != Status.OK or answer.index_error[i] <= allowed:
                 break
-        if answer.status[i] == "ok":
+        if answer.status[i] == Status.OK:
             return
 
 

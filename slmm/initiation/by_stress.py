@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from slmm.criteria.distances import SAMPLES, TOO_DEEP
+from slmm.criteria.distances import SAMPLES
 from slmm.criteria.path_curves import PathCurves
-from slmm.criteria.surface import SINGULAR, mises_stress
+from slmm.criteria.status import Status
+from slmm.criteria.surface import mises_stress
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.by_cells import local_field, note_reasons, rows_with_cells
 from slmm.initiation.cells import cell_stress, place_cells, select_modes
@@ -17,8 +18,6 @@ from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal
 from slmm.scene.scene import Scene
 
-NOT_REACHED = "the cell ends before the critical distance"
-NEAR = "a corner or crack tip is so near that the stress depends on the mesh"
 #: elements between a position and a corner or crack tip, at least: nearer, the estimated error is too small
 AWAY_FROM_TIPS = 2
 
@@ -30,11 +29,11 @@ def by_stress(task: Task) -> Answer:
     depth = task.criterion.depth(material)
     depths = np.linspace(0.0, depth, SAMPLES) if depth else np.zeros(1)
     stress, error, provenance = _path_stress(task, answer, depths)
-    answer.status[~task.smooth] = SINGULAR
+    answer.status[~task.smooth] = Status.SINGULAR
     rows = np.flatnonzero(np.isfinite(stress[:, 0, 0]))
     too_deep, reached = depth > task.paths.ligament[rows], np.isfinite(stress[rows]).all(axis=(1, 2))
-    answer.status[rows[~reached]] = NOT_REACHED
-    answer.status[rows[too_deep]] = TOO_DEEP
+    answer.status[rows[~reached]] = Status.CELL_ENDS
+    answer.status[rows[too_deep]] = Status.TOO_DEEP
     rows = rows[reached & ~too_deep]
     across, along, shear = stress[rows].swapaxes(0, 1)
     if "equivalent stress" in task.criterion.needs:
@@ -45,8 +44,8 @@ def by_stress(task: Task) -> Answer:
         relative = np.where(measure != 0, error[rows] / np.abs(measure), 0.0)
     nothing = np.full(measure.shape, np.nan)
     curves = PathCurves(np.tile(depths, (len(rows), 1)), nothing, measure, nothing, relative)
-    answer.put(rows, task.criterion.judge(curves, material), NOT_REACHED)
-    answer.provenance |= provenance
+    answer.put(rows, task.criterion.judge(curves, material), Status.CELL_ENDS)
+    answer.note(**provenance)
     return answer
 
 
@@ -69,12 +68,12 @@ def _body_fitted_stress(task, answer, depths):
     try:
         model = solve_body_fitted(task.scene)
     except MesherError as failure:
-        answer.status[rows] = f"no mesh: {failure}"
+        answer.status[rows] = Status.NO_MESH.of(failure)
         return stress, error, {}
     near = distance_to_tips(task.scene, paths.start[rows]) < AWAY_FROM_TIPS * model.fine.element_size(
         paths.start[rows]
     )
-    answer.status[rows[near]] = NEAR
+    answer.status[rows[near]] = Status.NEAR_SINGULAR
     rows = rows[~near]
     points = paths.start[rows, None] + depths[:, None] * paths.direction[rows, None]
     sigma, found = model.stress(points.reshape(-1, 2))
@@ -115,7 +114,7 @@ def _cell_stress(task, answer, depths):
     try:
         local, provenance = local_field(task)
     except MesherError as failure:
-        answer.status[rows] = f"no mesh: {failure}"
+        answer.status[rows] = Status.NO_MESH.of(failure)
         return stress, error, {}
     for k, outline in enumerate(scene.outlines):
         left = rows[where.hole[rows] == k]

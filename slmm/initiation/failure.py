@@ -14,6 +14,7 @@ from slmm import __version__
 from slmm.criteria.coupled import GOVERNED_BY
 from slmm.criteria.coupled_curves import Coupled
 from slmm.criteria.criterion import CRITERIA, Criterion
+from slmm.criteria.status import Status
 from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
@@ -31,9 +32,6 @@ if TYPE_CHECKING:
 
 #: times that positions are added where the index is largest
 ROUNDS = 4
-
-#: status of every position of a part in pieces
-SEVERED = "the cracks sever the part"
 
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
@@ -156,7 +154,7 @@ def failure_indices(
     source = SOURCES[METHODS[method].source]
     if severed := scene.part.is_severed:
         answer = Answer.empty(task.n, "none")
-        answer.status[:] = SEVERED
+        answer.status[:] = Status.SEVERED
     else:
         answer = source.answer(task)
     if refined and not severed:
@@ -164,19 +162,19 @@ def failure_indices(
     # behind the method, which need not be dearer for what the picture of the notch leaves open
     add_outline_error(task, answer)
     bound = upper_bounds(task, answer)
-    answer.provenance = {"method": method} | answer.provenance
+    facts: dict[str, object] = {"method": method}
     if criterion is not None:
-        answer.provenance["criterion"] = criterion
+        facts["criterion"] = criterion
     if severed:
-        answer.provenance["pieces"] = len(scene.part.pieces)
+        facts["pieces"] = len(scene.part.pieces)
     if answer.cost:
-        answer.provenance["cost"] = "; ".join(
+        facts["cost"] = "; ".join(
             f"{name}: {count} positions in {seconds:.2g} s" for name, (count, seconds) in answer.cost.items()
         )
     if given is not None:
-        answer.provenance["displacements"] = given.source
+        facts["displacements"] = given.source
     progress(1.0, "done")
-    return _dataset(task, answer, bound, curves)
+    return _dataset(task, answer, bound, curves, facts)
 
 
 def chosen_criterion(method: str, name: str | None, average: bool) -> Criterion:
@@ -213,7 +211,7 @@ def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> 
     """
     for left in reversed(range(ROUNDS + 1)):
         with np.errstate(divide="ignore"):
-            index = np.where(answer.status == "ok", 1 / answer.load_factor, np.nan)
+            index = np.where(answer.status == Status.OK, 1 / answer.load_factor, np.nan)
         peaks = find_peaks(task.scene, task.where, index, answer.index_error, answer.crack_length)
         if not peaks:
             break
@@ -293,7 +291,9 @@ _UNITS = {
 }
 
 
-def _dataset(task: Task, answer: Answer, bound: np.ndarray, curves: bool) -> xr.Dataset:
+def _dataset(
+    task: Task, answer: Answer, bound: np.ndarray, curves: bool, facts: dict[str, object]
+) -> xr.Dataset:
     with np.errstate(divide="ignore"):
         failure_index = 1 / answer.load_factor
     where = task.where
@@ -329,7 +329,7 @@ def _dataset(task: Task, answer: Answer, bound: np.ndarray, curves: bool) -> xr.
     dataset = xr.Dataset(data)
     for name in dataset.data_vars:
         dataset[name].attrs = dict(zip(("units", "long_name"), _UNITS[str(name)], strict=True))
-    dataset.attrs = {"title": task.scene.title, "version": __version__} | answer.provenance
+    dataset.attrs = {"title": task.scene.title, "version": __version__} | answer.described | facts
     if unusual := unusual_values(task.scene):
         dataset.attrs["warnings"] = "; ".join(unusual)
     return dataset

@@ -13,6 +13,7 @@ from slmm.criteria.coupled import NONE
 from slmm.criteria.coupled_curves import Coupled
 from slmm.criteria.criterion import Criterion
 from slmm.criteria.path_curves import Critical, PathCurves
+from slmm.criteria.status import Status
 from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
@@ -102,8 +103,10 @@ class Answer:
     curves : PathCurves
     columns : dict of str to ndarray (n,)
         What only some methods have.
-    provenance : dict
-        Attributes of the result.
+    source : str
+        Which method this is.
+    provenance : dict of str to dict of str to object
+        What it was made with, as attributes of the result: values by method.
     cost : dict of str to (int, float)
         By method: at how many positions it was asked, and how long that took, s.
     """
@@ -117,7 +120,8 @@ class Answer:
     reason: np.ndarray
     curves: PathCurves
     columns: dict[str, np.ndarray] = field(default_factory=dict)
-    provenance: dict[str, object] = field(default_factory=dict)
+    source: str = "none"
+    provenance: dict[str, dict[str, object]] = field(default_factory=dict)
     cost: dict[str, tuple[int, float]] = field(default_factory=dict)
 
     @classmethod
@@ -139,7 +143,25 @@ class Answer:
             method=text(method),
             reason=text(""),
             curves=PathCurves.empty(n),
+            source=method,
         )
+
+    def note(self, **made_with: object) -> None:
+        """Say what this method has used."""
+        for name, value in made_with.items():
+            self.provenance.setdefault(name, {})[self.source] = value
+
+    @property
+    def described(self) -> dict[str, object]:
+        """Attributes of the result; where methods differ, the value of each by its name."""
+        found: dict[str, object] = {}
+        for name, by_method in self.provenance.items():
+            values = list(by_method.values())
+            alike = all(value == values[0] for value in values)
+            found[name] = (
+                values[0] if alike else "; ".join(f"{method}: {value}" for method, value in by_method.items())
+            )
+        return found
 
     def judge(
         self,
@@ -173,7 +195,7 @@ class Answer:
         self.governed_by[rows] = found.governed_by
         self.error[rows] = found.error
         why = np.where(found.refused == "", too_short, found.refused)
-        self.status[rows] = np.where(np.isnan(found.load_factor), why, "ok")
+        self.status[rows] = np.where(np.isnan(found.load_factor), why, Status.OK)
 
     @property
     def index_error(self) -> np.ndarray:
@@ -195,10 +217,9 @@ class Answer:
         """These positions and another answer's, in the order (n,) of their numbers in both together."""
         n, m = len(self.status), len(other.status)
         both = Answer.empty(n + m, "none")
-        both.provenance = dict(self.provenance)
-        both.take(np.arange(n), self)
+        both.source = self.source
         both.take(np.arange(n, n + m), other)
-        both.provenance |= self.provenance  # what the first, larger part was made with
+        both.take(np.arange(n), self)  # last: what the larger part was made with stays
         ordered = both.rows(order)
         ordered.spend(self.cost)
         ordered.spend(other.cost)
@@ -211,6 +232,7 @@ class Answer:
             **{name: getattr(self, name)[rows] for name in names},
             curves=self.curves.rows(rows),
             columns={name: values[rows] for name, values in self.columns.items()},
+            source=self.source,
             provenance=self.provenance,
         )
 
@@ -221,4 +243,5 @@ class Answer:
         self.curves.put(rows, other.curves)
         for name, values in other.columns.items():
             self.column(name)[rows] = values
-        self.provenance |= other.provenance
+        for name, by_method in other.provenance.items():
+            self.provenance[name] = {**self.provenance.get(name, {}), **by_method}

@@ -9,10 +9,11 @@ from slmm import Material
 from slmm.criteria.coupled import GOVERNED_BY
 from slmm.criteria.coupled_curves import Coupled
 from slmm.criteria.criterion import CRITERIA
-from slmm.criteria.distances import TOO_DEEP, CriticalDistance, line_distance, point_distance
-from slmm.criteria.griffith import NO_CRACK, energy_release_rate
+from slmm.criteria.distances import CriticalDistance, line_distance, point_distance
+from slmm.criteria.griffith import energy_release_rate
 from slmm.criteria.path_curves import PathCurves, path_points
-from slmm.criteria.surface import SINGULAR, mises_stress
+from slmm.criteria.status import Status
+from slmm.criteria.surface import mises_stress
 
 PMMA = Material.from_name("PMMA")
 POINT, LINE = point_distance(PMMA), line_distance(PMMA)
@@ -47,7 +48,7 @@ def test_critical_distances_of_a_singular_stress_have_closed_forms(scale):
         assert CRITERIA[name].judge(found, PMMA).load_factor[0] == pytest.approx(1 / scale, rel=tolerance), (
             name
         )
-    assert CRITERIA["rankine"].judge(found, PMMA).refused[0] == SINGULAR
+    assert CRITERIA["rankine"].judge(found, PMMA).refused[0] == Status.SINGULAR
 
 
 def test_curves_that_end_before_the_distance_have_no_value_and_no_reason():
@@ -56,12 +57,14 @@ def test_curves_that_end_before_the_distance_have_no_value_and_no_reason():
         critical = CriticalDistance(line).judge(found, PMMA)
         assert np.isnan(critical.load_factor[0]) and critical.refused[0] == ""
         complete = CriticalDistance(line).judge(found, PMMA, np.array([True]))
-        assert complete.refused[0] == TOO_DEEP
+        assert complete.refused[0] == Status.TOO_DEEP
 
 
 def test_a_stress_that_sinks_to_zero_within_the_distance_is_refused():
     found = curves(lambda a: 10.0 - 10.0 * a / POINT, 3 * LINE)
-    assert [CRITERIA[name].judge(found, PMMA).refused[0] for name in ("point", "line")] == [TOO_DEEP] * 2
+    assert [CRITERIA[name].judge(found, PMMA).refused[0] for name in ("point", "line")] == [
+        Status.TOO_DEEP
+    ] * 2
     assert CRITERIA["rankine"].judge(found, PMMA).refused[0] == ""
 
 
@@ -74,7 +77,7 @@ def test_compression_all_along_needs_no_load_at_all():
 
 
 def test_griffith_needs_a_crack():
-    assert CRITERIA["griffith"].judge(curves(lambda a: 10 + a, 1.0), PMMA).refused[0] == NO_CRACK
+    assert CRITERIA["griffith"].judge(curves(lambda a: 10 + a, 1.0), PMMA).refused[0] == Status.NO_CRACK
     assert energy_release_rate(3.0, 4.0, PMMA) == pytest.approx(25.0 / PMMA.E)
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from slmm import failure_indices
+from slmm.criteria.status import Status
 from slmm.initiation import by_full_fea
-from slmm.initiation.by_full_fea import TOO_SHORT, sampled
+from slmm.initiation.by_full_fea import sampled
 from slmm.initiation.failure import METHODS
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
 from slmm.scene import gallery
@@ -39,7 +40,7 @@ def test_what_short_paths_say_stays_where_no_path_goes_through_the_ligament(monk
 
     monkeypatch.setattr(by_full_fea, "ligament_end", fails)
     result = failure_indices(between_holes(20.0), "full-fea", curves=True).isel(position=0)
-    assert result.status == TOO_SHORT and np.isnan(result.failure_index)
+    assert result.status == Status.BEYOND_PATH and np.isnan(result.failure_index)
     assert float(result.a[-1]) == pytest.approx(1.6, rel=1e-4)
     bounded = failure_indices(between_holes(20.0), "auto").isel(position=0)
     assert bounded.used_method == "bounds" and bounded.status == "ok"

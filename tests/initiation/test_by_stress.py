@@ -7,9 +7,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from slmm import Material, failure_indices
-from slmm.criteria.distances import TOO_DEEP, line_distance, line_method, point_distance, point_method
-from slmm.criteria.surface import SINGULAR
-from slmm.initiation.by_stress import NEAR, distance_to_tips
+from slmm.criteria.distances import line_distance, line_method, point_distance, point_method
+from slmm.criteria.status import Status
+from slmm.initiation.by_stress import distance_to_tips
 from slmm.scene import gallery
 
 pytest.importorskip("netgen")
@@ -98,7 +98,7 @@ def test_the_pole_is_in_compression_which_only_mises_minds(hole):
     assert index["rankine"] == pytest.approx(0.0, abs=1e-3 * 30.0 / 70.5)
     # below it there is compression
     for method in ("point", "line"):
-        assert index[method] == 0 or status[method] == TOO_DEEP
+        assert index[method] == 0 or status[method] == Status.TOO_DEEP
 
 
 def test_in_plane_strain_the_stress_out_of_the_plane_lowers_mises():
@@ -116,14 +116,14 @@ def test_corners_and_crack_tips_have_no_strength(method):
         gallery.square_hole(analysis={"points": [[65.0, 65.0]], "local_model": "body-fitted"}),
     ):
         result = failure_indices(scene, method)
-        assert result.status.values.tolist() == [SINGULAR] and np.isnan(result.failure_index[0])
+        assert result.status.values.tolist() == [Status.SINGULAR] and np.isnan(result.failure_index[0])
 
 
 def test_beside_a_corner_the_stress_of_the_mesh_is_no_value():
     points = [[65.0, 65.0 - d] for d in (0.01, 5.0)]
     scene = gallery.square_hole(analysis={"points": points, "local_model": "body-fitted"})
     near, far = failure_indices(scene, "rankine").status.values
-    assert near == NEAR and far == "ok"
+    assert near == Status.NEAR_SINGULAR and far == "ok"
 
 
 def test_distance_to_corners_and_tips():
@@ -140,7 +140,7 @@ def test_a_distance_longer_than_the_ligament_does_not_apply():
     )
     assert line_distance(scene.material) > 0.5
     result = failure_indices(scene, "line")
-    assert result.status.values.tolist() == [TOO_DEEP]
+    assert result.status.values.tolist() == [Status.TOO_DEEP]
 
 
 @hypothesis_settings(max_examples=4)

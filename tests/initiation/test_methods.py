@@ -34,7 +34,9 @@ def test_a_criterion_is_the_same_on_every_source(criterion):
     """On the stress of cells, of dislocations and of full FEA, within their estimates."""
     pytest.importorskip("netgen")
     exact, own = index(HOLE, "full-fea", criterion=criterion)
-    assert index(HOLE, "slmm", criterion=criterion)[0] == pytest.approx(exact, rel=0.01)  # which has no estimate
+    assert index(HOLE, "slmm", criterion=criterion)[0] == pytest.approx(
+        exact, rel=0.01
+    )  # which has no estimate
     for method in ("slmm+ac", "dislocations", "auto"):
         value, error = index(HOLE, method, criterion=criterion)
         assert abs(value - exact) <= error + own, method
@@ -130,3 +132,12 @@ def test_one_more_source_is_one_function_and_a_line(monkeypatch):
         0.03 * material.E / material.sigma_c
     )
     assert index(HOLE, "kirsch")[0] < index(HOLE, "kirsch", criterion="rankine")[0]
+
+
+def test_under_auto_the_result_tells_what_each_method_was_made_with():
+    pytest.importorskip("netgen")
+    scene = gallery.square_hole(analysis={"points": [[65, 65], [65, 50]]})
+    attrs = failure_indices(scene, "auto").attrs
+    assert attrs["local_model"].startswith("slmm+ac: voxels; asymptotics: body-fitted")
+    assert attrs["voxels"] > 0 and attrs["tolerance"] == 0.02
+    assert failure_indices(scene, "asymptotics").attrs["local_model"] == "body-fitted"
