@@ -10,19 +10,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from precompute.spec import SweepSpec, read_spec
 from precompute.store import assemble, write
 from precompute.sweep import run_sweep
-from slmm.command.terminal import Application, console, errors, refusals, say_error
+from slmm.command.terminal import Application, console, progress_bar, refusals, say_error
 from slmm.running.input_file import shown
 from slmm.running.whole_file import NotWrittenError
 
@@ -54,7 +46,8 @@ def precompute(
             spec = SweepSpec.model_validate(spec.model_dump() | {"poisson": (poisson,), "title": title})
         parts = _parts_folder(output, spec)
         with _word_of_parts(parts):
-            _sweep(spec, parts, workers)
+            with progress_bar() as progress:
+                run_sweep(spec, parts, workers, progress)
             write(assemble(spec, parts), output, parts)
         shutil.rmtree(parts)
         console().print(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
@@ -87,17 +80,3 @@ def _word_of_parts(parts: Path) -> Iterator[None]:
             raise NotWrittenError(f"{error}; {says}") from error
         say_error(f"stopped; {says}")
         raise
-
-
-def _sweep(spec: SweepSpec, parts: Path, workers: int) -> None:
-    """All cells, with a progress bar."""
-    columns = (
-        TextColumn("crack cells"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=errors()) as bar:
-        task = bar.add_task("cells", total=None)
-        run_sweep(spec, parts, workers, lambda done, of: bar.update(task, completed=done, total=of))

@@ -7,11 +7,8 @@ thread with fixed settings the assembled file is the same as that of an undistur
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import threading
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +18,8 @@ from precompute.crack_cell import solve_cell
 from precompute.spec import SweepSpec
 from precompute.unbounded import unbounded_compliance
 from slmm.running.array_file import read_arrays
+from slmm.running.processes import processes
+from slmm.running.progress import Progress, silent
 from slmm.running.whole_file import whole_file
 
 #: (curvature index, Poisson index); Poisson index -1 is the compliance in an unbounded body
@@ -73,22 +72,7 @@ def run_task(spec: SweepSpec, task: Task, folder: Path) -> Task:
     return task
 
 
-def _end_with_parent() -> None:
-    """Let this process end when the one that started it has been killed: nobody would ever stop it."""
-    parent = multiprocessing.parent_process()
-    if parent is None:
-        return
-
-    def wait() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=wait, daemon=True).start()
-
-
-def run_sweep(
-    spec: SweepSpec, folder: Path, workers: int, progress: Callable[[int, int], None] = lambda done, of: None
-) -> None:
+def run_sweep(spec: SweepSpec, folder: Path, workers: int, progress: Progress = silent) -> None:
     """Run every task whose part is not in ``folder`` yet.
 
     Parameters
@@ -100,27 +84,25 @@ def run_sweep(
     workers : int
         Number of processes; 1 runs in this process.
     progress : callable
-        Called with the number of finished and of all tasks.
+        Is told the share of tasks that is done, and their number.
     """
     folder.mkdir(parents=True, exist_ok=True)
     everything = tasks(spec)
     left = [task for task in everything if not is_done(folder, task)]
     done = len(everything) - len(left)
-    progress(done, len(everything))
+
+    def tell(done: int) -> None:
+        progress(done / len(everything), f"{done} of {len(everything)} crack cells")
+
+    tell(done)
     if workers == 1:
-        for task in left:
+        for number, task in enumerate(left, done + 1):
             run_task(spec, task, folder)
-            done += 1
-            progress(done, len(everything))
+            tell(number)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent) as pool:
+    # what is under way when one of them fails ends at once
+    with processes(workers) as pool:
         futures = [pool.submit(run_task, spec, task, folder) for task in left]
-        try:
-            for future in as_completed(futures):
-                future.result()
-                done += 1
-                progress(done, len(everything))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)  # else all the others would be computed first
-            raise
+        for number, future in enumerate(as_completed(futures), done + 1):
+            future.result()
+            tell(number)

@@ -32,12 +32,11 @@ import skfem
 import typer
 import xarray as xr
 from numpy.polynomial.chebyshev import chebfit, chebval
-from rich.progress import track
 
 from precompute.half_body import HalfBody
 from precompute.store import rounded
 from slmm import __version__
-from slmm.command.terminal import Application, check_target, console, errors, refusals
+from slmm.command.terminal import Application, check_target, console, progress_bar, refusals
 from slmm.initiation.v_notch_table import LAYOUT, SCHEMA
 from slmm.mechanics.crack_line import crack_factor
 from slmm.mechanics.williams import half_angle, release_coefficient, singular_exponent, williams_fields
@@ -394,8 +393,12 @@ def v_notches(
     with refusals():
         check_target(output, (".nc",), "-o")
         spec = NotchSpec()
-        angles = track(np.radians(spec.openings), description="V-notches", console=errors())
-        write(assemble(spec, [solve_notch(opening, spec) for opening in angles]), output)
+        notches = []
+        with progress_bar() as progress:
+            for k, opening in enumerate(np.radians(spec.openings)):
+                progress(k / len(spec.openings), f"V-notch {k + 1} of {len(spec.openings)}")
+                notches.append(solve_notch(opening, spec))
+        write(assemble(spec, notches), output)
         console().print(f"{output}: {output.stat().st_size / 1e3:.0f} kB")
 
 

@@ -125,9 +125,7 @@ def cantilever(
                         workers=workers,
                         journals=journals,
                         resume=resume,
-                        progress=lambda k, n, value: progress(
-                            k / runs, f"{k} of {runs} runs done: {n:,} simulations, best {value:.6g} mm"
-                        ),
+                        progress=progress,
                         **its,
                     )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])

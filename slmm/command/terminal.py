@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from rich.text import Text
 
 from slmm.running.encoding import fitting, replace_what_cannot_be_encoded, without_control
 from slmm.running.input_file import check_input, shown
+from slmm.running.progress import Progress, silent
 
 BAD_INPUT = 2
 #: how files that are written may end
@@ -136,19 +137,26 @@ def check_no_input(inputs: list[Path | str | None], targets: dict[str, Path | No
 
 
 @contextlib.contextmanager
-def progress_bar() -> Iterator[Callable[[float, str], None]]:
+def progress_bar() -> Iterator[Progress]:
     """A progress bar on stderr, on a terminal only."""
     stream = errors()
     if not stream.is_terminal:
-        yield lambda fraction, text: None
+        yield silent
         return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+    from rich.progress import Progress as Bar
 
     text = TextColumn("{task.description}", markup=False)
-    columns = BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), text
-    with Progress(*columns, console=stream, transient=True) as bar:
+    columns = BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn(), text
+    with Bar(*columns, console=stream, transient=True) as bar:
         task = bar.add_task("start", total=1.0)
-        yield lambda fraction, text: bar.update(task, completed=fraction, description=text)
+        yield lambda share, text: bar.update(task, completed=share, description=text)
 
 
 @contextlib.contextmanager

@@ -23,7 +23,8 @@ from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
-from slmm.initiation.task import Answer, Progress, Task
+from slmm.initiation.task import Answer, Task
+from slmm.running.progress import Progress, silent
 from slmm.scene.plausible import UnusualValueWarning, unusual_values
 from slmm.scene.scene import Scene
 
@@ -46,7 +47,7 @@ def failure_indices(
     average: bool | None = None,
     tolerance: float | None = None,
     displacements: Any = None,
-    progress: Progress = lambda fraction, text: None,
+    progress: Progress = silent,
     field: str | None = None,
     criterion: str | None = None,
 ) -> xr.Dataset:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,8 @@ from slmm.criteria.status import Status
 from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
+from slmm.running.progress import Progress
 from slmm.scene.scene import Scene
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)

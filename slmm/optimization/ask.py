@@ -48,7 +48,7 @@ class Ask:
     """The values of these designs, in order, up to and including the first below a limit.
 
     The answer is an array (m,) with m <= n: NaN where a design is not valid or its evaluation failed, and infinity
-    where it is known only not to be below the limit. If one is below the limit, it is the last.
+    where it is known only not to be below what is needed. If one is below the limit, it is the last.
 
     Parameters
     ----------
@@ -56,11 +56,24 @@ class Ask:
     designs : ndarray of bool (n, rows, columns) or Flipped
     below : float
         By default no value is below it, and the answer has all values.
+    needed : float
+        Values that are not below this need not be known, which saves an expensive problem work. Not less than the
+        limit; by default all are needed.
+
+    Raises
+    ------
+    ValueError
+        When values below the limit would not be known.
     """
 
     problem: Problem
     designs: np.ndarray | Flipped
     below: float = -np.inf
+    needed: float = np.inf
+
+    def __post_init__(self) -> None:
+        if self.needed < self.below:
+            raise ValueError(f"needed = {self.needed}: must not be less than below = {self.below}")
 
 
 #: what algorithms are

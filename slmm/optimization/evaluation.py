@@ -1,52 +1,37 @@
-"""Values of the designs an algorithm asks for: computed in this process, in others, or on a Dask cluster.
+"""Answers to what an algorithm asks, from memory or by workers.
 
 A value that is known is not computed again. Where a problem has a quick model of a design's neighbours, that finds the
 candidates among them, which is not remembered, and a direct evaluation confirms these.
+
+Designs of a problem of one by one go out as soon as a worker is free. The answer is that of a single worker all the
+same: it ends with the first design, in order, that is below the limit. Once there is one no design behind it goes out;
+what is out already is remembered when it comes back, and meanwhile the next question is worked on.
 """
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import pickle
-import signal
-import threading
-import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
 from itertools import islice
-from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
-import threadpoolctl
 
 from slmm.optimization.ask import Ask, Flipped
-from slmm.optimization.problem import Neighbours, Problem, WithNeighbours
+from slmm.optimization.memory import Memory, keys
+from slmm.optimization.problem import Bound, Neighbours, Problem, Value, WithNeighbours, one_by_one
+from slmm.optimization.workers import Failure, Workers
 
-if TYPE_CHECKING:
-    from distributed import Client
-
-#: designs that are looked at first when one is enough, for each worker: a better one often comes early
+#: designs that are looked at first when one is enough, for each worker: a better one often comes early (chosen)
 FIRST = 4
-#: and so many of them when a quick model says how good they are
+#: and so many of them when a quick model says how good they are (chosen)
 FIRST_OF_MODEL = 64
-#: then this share of those looked at already, so that little is done in vain
+#: then this share of those looked at already, so that little is done in vain (chosen)
 GROWTH = 0.25
-#: and not more than this
+#: and not more than this (chosen)
 MOST = 1 << 16
-#: values are recorded after each piece of work, which takes about so long, s
-PIECE = 0.05
-#: pieces of work for each worker, at least: some evaluations take longer than others
-PIECES = 2
-
-#: values of designs (n, rows, columns), in order, piece by piece
-Evaluate = Callable[[Problem, np.ndarray], Iterator[np.ndarray]]
-Record = Callable[[dict[bytes, float]], None]
 
 
 class Part(NamedTuple):
@@ -57,91 +42,195 @@ class Part(NamedTuple):
     valid: np.ndarray
 
 
+class Piece(NamedTuple):
+    """Designs (m, rows, columns) to look at next, which are valid (m,), and which candidates (m,).
+
+    Of the other valid ones a quick model, if there is one, says that they are not below the limit.
+    """
+
+    designs: np.ndarray
+    valid: np.ndarray
+    candidate: np.ndarray
+    by_model: bool
+
+
 @dataclass
 class Evaluation:
-    """Answers what algorithms ask, and remembers the value of every design.
+    """Answers what algorithms ask, and remembers what is found.
 
     Parameters
     ----------
-    evaluate : callable
-        Values of valid designs (n, rows, columns) of a problem, in order, piece by piece.
-    workers : int
-        How many designs are evaluated at the same time.
-    known : dict of bytes to float
-        Values by `keys`: those known before, and all that are found.
-    record : callable, optional
-        Is told each new value by its key.
-    early : bool
-        Whether the last design below a limit was among the first of those asked for: then the next ones are not worth a
-        quick model.
+    workers : Workers
+    memory : Memory
+        What was known before, and all that is found.
     """
 
-    evaluate: Evaluate
-    workers: int = 1
-    known: dict[bytes, float] = field(default_factory=dict)
-    record: Record | None = None
+    workers: Workers
+    memory: Memory = field(default_factory=Memory)
+    #: whether the last design below a limit was among the first of those asked for: then the next ones are not worth a
+    #: quick model
     early: bool = True
+    #: of the last problem asked about, whether it is one of one by one
+    kind: tuple[Problem | None, bool] = (None, False)
+    #: evaluations that are not done, by keys, and their limits
+    out: dict[bytes, tuple[Future[Value | Bound | Failure], float]] = field(default_factory=dict)
 
     def answer(self, ask: Ask, most: float = np.inf) -> Iterator[Part]:
         """The answer part by part; it ends where so many of the designs were valid."""
-        done, model = 0, None if self.early else model_around(ask)
+        if self.kind[0] is not ask.problem:
+            self.kind = ask.problem, one_by_one(ask.problem)
+        return self.as_they_come(ask, most) if self.kind[1] else self.many_at_once(ask, most)
+
+    def many_at_once(self, ask: Ask, most: float) -> Iterator[Part]:
+        """The answer by evaluations of many designs."""
+        done = 0
+        for designs, valid, candidate, by_model in self.pieces(ask, most, by_model=not self.early):
+            values = np.full(len(designs), np.nan)
+            if by_model:
+                values[valid] = np.inf
+            for these in self.in_turns(np.flatnonzero(candidate)) if by_model else [candidate]:
+                values[these] = self.values(ask.problem, designs[these])
+                if (below := values < ask.below).any():
+                    end = int(below.argmax()) + 1
+                    self.early = done + end <= FIRST * self.workers.number
+                    yield Part(values[:end], designs[:end], valid[:end])
+                    return
+            yield Part(values, designs, valid)
+            done += len(designs)
+        if ask.below > -np.inf:
+            self.early = False
+
+    def in_turns(self, candidates: np.ndarray) -> Iterator[np.ndarray]:
+        """Places (n,) of candidates, a few first: most are what the model says; without a model more are needed."""
+        done, number = 0, self.workers.number
+        while done < len(candidates):
+            yield candidates[done : done + number]
+            done, number = done + number, 2 * number
+
+    def pieces(self, ask: Ask, most: float, by_model: bool) -> Iterator[Piece]:
+        """All designs in order, up to so many valid ones; the first piece by the quick model only if that is wished."""
+        done, model = 0, model_around(ask) if by_model else None
         while done < len(ask.designs) and most > 0:
             if done and model is None:
                 model = model_around(ask)
             designs = ask.designs[done : done + self.size(ask, done, model is not None)]
             valid = ask.problem.valid(designs)
-            end = int(np.searchsorted(np.cumsum(valid), most)) + 1
-            designs, valid = designs[:end], valid[:end]
-            values = np.full(len(designs), np.nan)
+            if most < len(designs):
+                end = int(np.searchsorted(np.cumsum(valid), most)) + 1
+                designs, valid = designs[:end], valid[:end]
+            candidate = valid
             if model is not None and isinstance(ask.designs, Flipped):
-                values[valid] = self.confirmed(
-                    ask, designs[valid], model, ask.designs.flips[done : done + len(designs)][valid]
-                )
-            else:
-                values[valid] = self.values(ask.problem, designs[valid])
-            if (below := values < ask.below).any():
-                end = int(below.argmax()) + 1
-                self.early = done + end <= FIRST * self.workers
-                yield Part(values[:end], designs[:end], valid[:end])
-                return
-            yield Part(values, designs, valid)
+                candidate = valid.copy()
+                # a design without an approximate value is a candidate, too
+                approximate, errors = model.evaluate(ask.designs.flips[done : done + len(designs)][valid])
+                candidate[valid] = ~(approximate - errors > ask.below)
+            yield Piece(designs, valid, candidate, model is not None)
             done += len(designs)
             most -= valid.sum()
-        if ask.below > -np.inf:
-            self.early = False
 
     def size(self, ask: Ask, done: int, by_model: bool) -> int:
         """How many designs to look at next when so many are done."""
         if ask.below == -np.inf:
             return len(ask.designs)
-        return max(FIRST_OF_MODEL if by_model else FIRST * self.workers, min(int(GROWTH * done), MOST))
+        return max(FIRST_OF_MODEL if by_model else FIRST * self.workers.number, min(int(GROWTH * done), MOST))
 
     def values(self, problem: Problem, designs: np.ndarray) -> np.ndarray:
-        """Values (n,) of valid designs."""
-        names = keys(designs)
-        new = [i for i, name in enumerate(names) if name not in self.known]
+        """Values (n,) of valid designs of a problem of many at once."""
+        names, known = keys(problem, designs), self.memory.values
+        new: dict[bytes, int] = {}
+        for i, name in enumerate(names):
+            if name not in known:
+                new.setdefault(name, i)
         if new:
-            waiting = iter([names[i] for i in new])
-            for values in self.evaluate(problem, designs[new]):
-                found = dict(zip(islice(waiting, len(values)), values.tolist(), strict=True))
-                self.known.update(found)
-                if self.record is not None:
-                    self.record(found)
-        return np.array([self.known[name] for name in names])
+            waiting = iter(new)
+            for values in self.workers.many(problem, designs[list(new.values())]):
+                self.memory.add_values(dict(zip(islice(waiting, len(values)), values.tolist(), strict=True)))
+        return np.array([known[name] for name in names])
 
-    def confirmed(self, ask: Ask, designs: np.ndarray, model: Neighbours, flips: np.ndarray) -> np.ndarray:
-        """Values of the candidates among valid designs, up to the first below the limit; infinity for the others."""
-        values = np.full(len(designs), np.inf)
-        # a design without an approximate value is a candidate, too
-        approximate, errors = model.evaluate(flips)
-        candidates = np.flatnonzero(~(approximate - errors > ask.below))
-        done, number = 0, self.workers
-        while done < len(candidates) and not (values < ask.below).any():
-            these = candidates[done : done + number]
-            values[these] = self.values(ask.problem, designs[these])
-            # most candidates are what the model says; without a model more and more are needed
-            done, number = done + number, 2 * number
-        return values
+    def as_they_come(self, ask: Ask, most: float) -> Iterator[Part]:
+        """The answer by evaluations of one design each."""
+        coming = self.places(ask, most)
+        open_places: deque[Place] = deque()
+        ended = False
+        while True:
+            while not ended and len(self.out) < self.workers.number:
+                place = next(coming, None)
+                if place is None:
+                    ended = True
+                else:
+                    open_places.append(place)
+                    ended = self.is_below(place, ask)
+            known = []
+            while open_places and open_places[0].value is not None:
+                known.append(open_places.popleft())
+            if known:
+                yield part_of(known)
+            if not open_places:
+                if ended:
+                    return
+                continue
+            self.take_in()
+            for i, place in enumerate(open_places):
+                if self.is_below(place, ask):
+                    ended = True
+                    for _ in range(len(open_places) - i - 1):
+                        open_places.pop()
+                    break
+
+    def places(self, ask: Ask, most: float) -> Iterator[Place]:
+        """The designs in order, with what is known without an evaluation."""
+        # with evaluations that take seconds a quick model is always worth it
+        for designs, valid, candidate, _ in self.pieces(ask, most, by_model=True):
+            names = iter(keys(ask.problem, designs[candidate]))
+            for design, ok, open_ in zip(designs, valid, candidate, strict=True):
+                yield Place(
+                    design,
+                    bool(ok),
+                    next(names) if open_ else b"",
+                    None if open_ else np.inf if ok else np.nan,
+                )
+
+    def is_below(self, place: Place, ask: Ask) -> bool:
+        """Whether a design is known to be below the limit by now; if it is not known, it goes out to a free worker."""
+        if place.value is None:
+            place.value = self.memory.answer(place.name, ask.needed)
+        if place.value is not None:
+            return place.value < ask.below
+        if place.name not in self.out and len(self.out) < self.workers.number:
+            self.out[place.name] = self.workers.one(ask.problem, place.design, ask.needed), ask.needed
+        return False
+
+    def take_in(self) -> None:
+        """Wait until an evaluation is done, and remember what it has found."""
+        done, _ = wait([future for future, _ in self.out.values()], return_when=FIRST_COMPLETED)
+        for name, (future, below) in list(self.out.items()):
+            if future in done:
+                del self.out[name]
+                self.memory.add(name, below, future.result())
+
+    def finish(self) -> None:
+        """Wait for what is out: it is remembered, too."""
+        while self.out:
+            self.take_in()
+
+
+@dataclass
+class Place:
+    """One of the designs (rows, columns) asked for: whether it is valid, its key, and its value if that is known."""
+
+    design: np.ndarray
+    valid: bool
+    name: bytes
+    value: float | None
+
+
+def part_of(places: list[Place]) -> Part:
+    """What is known of places, as a part of an answer."""
+    return Part(
+        np.array([place.value for place in places], dtype=float),
+        np.array([place.design for place in places]),
+        np.array([place.valid for place in places]),
+    )
 
 
 def model_around(ask: Ask) -> Neighbours | None:
@@ -149,121 +238,3 @@ def model_around(ask: Ask) -> Neighbours | None:
     if isinstance(ask.designs, Flipped) and isinstance(ask.problem, WithNeighbours):
         return ask.problem.neighbours(ask.designs.centre)
     return None
-
-
-def keys(designs: np.ndarray) -> list[bytes]:
-    """A name for each design (n, rows, columns): its shape and its bits.
-
-    Examples
-    --------
-    >>> keys(np.ones((1, 2, 4), dtype=bool))
-    [b'2x4:\\xff']
-    """
-    n, rows, columns = designs.shape
-    shape = f"{rows}x{columns}:".encode()
-    return [shape + bits.tobytes() for bits in np.packbits(designs.reshape(n, rows * columns), axis=1)]
-
-
-@contextmanager
-def evaluating(workers: int = 1, client: Client | None = None) -> Iterator[tuple[Evaluate, int]]:
-    """How values are computed, and how many at the same time: by a Dask client's workers, by processes, or here."""
-    if client is not None:
-        from distributed.protocol.pickle import dumps  # of problems that are defined in a script, too
-
-        at_once = sum(client.nthreads().values())
-        yield partial(_elsewhere, client.get_executor(pure=False), at_once, dumps, Pace()), at_once
-    elif workers > 1:
-        with processes(workers) as pool:
-            yield partial(_elsewhere, pool, workers, pickle.dumps, Pace()), workers
-    else:
-        yield partial(_here, Pace()), 1
-
-
-@contextmanager
-def processes(number: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes of one thread each. They end at once when this one is killed or leaves with an exception."""
-    # forked processes would share locks of threads that they do not have
-    spawning = multiprocessing.get_context("spawn")
-    theirs, ours = spawning.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(number, spawning, initializer=settle, initargs=(theirs,))
-    try:
-        yield pool
-    except BaseException:
-        ours.close()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
-        ours.close()
-
-
-@dataclass
-class Pace:
-    """How many designs are evaluated in about `PIECE` seconds."""
-
-    designs: float = 1.0
-
-    def learn(self, designs: int, seconds: float) -> None:
-        """From a piece of work; a slow one, in which a kernel was compiled, is made up for soon."""
-        self.designs = max(1.0, min(4 * self.designs, PIECE * designs / max(seconds, 1e-9)))
-
-
-def _here(pace: Pace, problem: Problem, designs: np.ndarray) -> Iterator[np.ndarray]:
-    done = 0
-    while done < len(designs):
-        piece = designs[done : done + int(pace.designs)]
-        values, seconds = _timed(problem, piece)
-        pace.learn(len(piece), seconds)
-        yield values
-        done += len(piece)
-
-
-def _elsewhere(
-    executor: Executor,
-    workers: int,
-    dumps: Callable[[Problem], bytes],
-    pace: Pace,
-    problem: Problem,
-    designs: np.ndarray,
-) -> Iterator[np.ndarray]:
-    size = max(1, min(int(pace.designs), len(designs) // (PIECES * workers)))
-    pieces = [designs[first : first + size] for first in range(0, len(designs), size)]
-    for values, seconds in executor.map(partial(_evaluated, dumps(problem)), pieces):
-        pace.learn(len(values), seconds)
-        yield values
-
-
-def _evaluated(pickled: bytes, designs: np.ndarray) -> tuple[np.ndarray, float]:
-    return _timed(_unpickled(pickled), designs)
-
-
-def _timed(problem: Problem, designs: np.ndarray) -> tuple[np.ndarray, float]:
-    """Values (n,), and how many seconds they took."""
-    begin = time.perf_counter()
-    values = np.asarray(problem.evaluate(designs))
-    seconds = time.perf_counter() - begin
-    if values.shape != (len(designs),) or values.dtype.kind not in "fiu":
-        raise ValueError(
-            f"{problem!r}: evaluate must return {len(designs)} real numbers for as many designs, "
-            f"and returned {values.dtype} of shape {values.shape}"
-        )
-    return np.where(np.isfinite(values), values, np.nan), seconds
-
-
-@lru_cache(maxsize=1)
-def _unpickled(problem: bytes) -> Problem:
-    """Once for all pieces: a problem may have found something that it needs for all designs."""
-    return pickle.loads(problem)
-
-
-def settle(parent: Connection) -> None:
-    """Make a process one of many: one thread, an end when its parent's end of a pipe is closed, and none before."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    numba.set_num_threads(1)
-    threadpoolctl.threadpool_limits(1)
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-
-
-def _end_with(parent: Connection) -> None:
-    # nothing is ever sent: it is closed, or its process is gone
-    parent.poll(None)
-    os._exit(1)

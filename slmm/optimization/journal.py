@@ -4,9 +4,12 @@ A search that is resumed runs again from its beginning with these values as its 
 ended undisturbed. What a quick model of neighbours has judged is not in it, and is judged again.
 
 The file has the tables ``run`` (what the run is, as JSON), ``session`` (each time it was started or resumed) and
-``evaluation``: a design, by `slmm.optimization.evaluation.keys`, its value, NULL where the evaluation failed, the
-session, and a checksum of design and value, without which a changed value would pass for a computed one. While it is
-open it is locked. After a kill a second file, ``-wal``, belongs to it, until it is opened again.
+``evaluation``: a design, by `slmm.optimization.memory.keys`, its value, NULL where the evaluation failed, the
+session, and a checksum of design and value, without which a changed value would pass for a computed one. Designs of a
+problem of one by one may stand in two more: ``bound`` has what a value is at least, and ``failure`` why an evaluation
+failed, and with which limit. A design may stand in all three: it has been asked about with several limits.
+
+While the file is open it is locked. After a kill a second file, ``-wal``, belongs to it, until it is opened again.
 """
 
 from __future__ import annotations
@@ -17,13 +20,16 @@ import sqlite3
 import struct
 import time
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from slmm.optimization.memory import Memory
+from slmm.optimization.problem import Bound, Value
+from slmm.optimization.workers import Failure
 from slmm.running.input_file import input_problem, shown
 from slmm.running.whole_file import NotWrittenError
 
@@ -32,11 +38,20 @@ PATIENCE = 0.1
 #: "slmm", by which SQLite tells an application's files
 APPLICATION = int.from_bytes(b"slmm", "big")
 
-TABLES = (
+#: 1, which SQLite has as 0, had values alone; it is read, and becomes 2
+FORMAT = 2
+#: those of format 1
+FIRST_TABLES = (
     "CREATE TABLE run (what TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE session (id INTEGER PRIMARY KEY, started TEXT NOT NULL)",
     "CREATE TABLE evaluation (design BLOB PRIMARY KEY, value REAL, session INTEGER NOT NULL, "
     "checksum INTEGER NOT NULL) WITHOUT ROWID",
+)
+MORE_TABLES = (
+    "CREATE TABLE bound (design BLOB PRIMARY KEY, least REAL NOT NULL, session INTEGER NOT NULL, "
+    "checksum INTEGER NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE failure (design BLOB PRIMARY KEY, below REAL NOT NULL, reason TEXT NOT NULL, "
+    "session INTEGER NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID",
 )
 #: what SQLite says of a disk, and not of a file
 OF_THE_DISK = (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY)
@@ -52,19 +67,26 @@ class Journal:
     waiting: dict[bytes, float] = field(default_factory=dict)
     written: float = field(default_factory=time.monotonic)
 
-    def known(self) -> dict[bytes, float]:
-        """All values by the designs' keys; NaN where the evaluation failed."""
-        found = {}
+    def memory(self) -> Memory:
+        """All that is in it."""
+        memory = Memory(journal=self)
+        for design, value in self.rows("evaluation", "value", float | None):
+            memory.values[design] = float("nan") if value is None else value
+        for design, least in self.rows("bound", "least", float):
+            memory.bounds[design] = least
+        for design, below, reason in self.rows("failure", "below, reason", float, str):
+            memory.failures[design] = below, reason
+        return memory
+
+    def rows(self, table: str, columns: str, *kinds: Any) -> Iterator[tuple[Any, ...]]:
+        """Designs and columns of a table, as they were written."""
         with _naming(self.path):
-            for design, value, checksum in self.connection.execute(
-                "SELECT design, value, checksum FROM evaluation"
-            ):
-                if not isinstance(design, bytes) or not isinstance(value, float | None):
+            for *row, checksum in self.connection.execute(f"SELECT design, {columns}, checksum FROM {table}"):
+                if not all(map(isinstance, row, (bytes, *kinds))):
                     raise ValueError("is damaged: a value that is none")
-                if checksum != _checksum(design, value):
+                if checksum != _checksum(*row):
                     raise ValueError("is damaged: a value has changed since it was written")
-                found[design] = float("nan") if value is None else value
-        return found
+                yield tuple(row)
 
     def add(self, found: Mapping[bytes, float]) -> None:
         """Write values, many at a time."""
@@ -74,12 +96,33 @@ class Journal:
 
     def write(self) -> None:
         """Write what waits."""
-        values = {design: None if value != value else float(value) for design, value in self.waiting.items()}
-        rows = [(key, value, self.session, _checksum(key, value)) for key, value in values.items()]
-        with _naming(self.path), _transaction(self.connection):
-            self.connection.executemany("INSERT OR REPLACE INTO evaluation VALUES (?, ?, ?, ?)", rows)
+        values = (
+            (design, None if value != value else float(value)) for design, value in self.waiting.items()
+        )
+        self.insert("evaluation", [*values])
         self.waiting.clear()
         self.written = time.monotonic()
+
+    def write_one(self, design: bytes, below: float, found: Value | Bound | Failure) -> None:
+        """Write what became of a design that was evaluated with a limit, at once: it may have taken long."""
+        match found:
+            case Value(value):
+                self.insert("evaluation", [(design, value)])
+            case Bound(least):
+                self.insert("bound", [(design, least)])
+            case Failure(reason):
+                self.insert("failure", [(design, float(below), reason)])
+
+    def insert(self, table: str, rows: Sequence[tuple[Any, ...]]) -> None:
+        """Write rows of a design and what is known of it."""
+        if not rows:
+            return
+        marks = ", ".join("?" * (len(rows[0]) + 2))
+        with _naming(self.path), _transaction(self.connection):
+            self.connection.executemany(
+                f"INSERT OR REPLACE INTO {table} VALUES ({marks})",
+                [(*row, self.session, _checksum(*row)) for row in rows],
+            )
 
 
 @contextmanager
@@ -145,8 +188,8 @@ def _naming(path: Path) -> Iterator[None]:
         raise ValueError(f"journal {shown(path)}: {error}") from error
 
 
-def _checksum(design: bytes, value: float | None) -> int:
-    return zlib.crc32(design + (b"" if value is None else struct.pack("<d", value)))
+def _checksum(design: bytes, number: float | None, reason: str = "") -> int:
+    return zlib.crc32(design + (b"" if number is None else struct.pack("<d", number)) + reason.encode())
 
 
 def _begin(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
@@ -154,26 +197,30 @@ def _begin(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
     # one lock for as long as it is open: no memory is shared with other processes, and none of them writes
     connection.execute("PRAGMA locking_mode = EXCLUSIVE")
     new = not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-    if not new:
-        _check(connection, run)
+    version = 0 if new else _check(connection, run)
     connection.execute("PRAGMA journal_mode = WAL")
     connection.execute("PRAGMA synchronous = NORMAL")
-    if new:
+    if version < FORMAT:
         with _transaction(connection):
-            connection.execute(f"PRAGMA application_id = {APPLICATION}")
-            for statement in TABLES:
+            connection.execute(f"PRAGMA user_version = {FORMAT}")
+            for statement in (*FIRST_TABLES, *MORE_TABLES) if new else MORE_TABLES:
                 connection.execute(statement)
-            items = [(what, json.dumps(value)) for what, value in run.items()]
-            connection.executemany("INSERT INTO run VALUES (?, ?)", items)
+            if new:
+                connection.execute(f"PRAGMA application_id = {APPLICATION}")
+                items = [(what, json.dumps(value)) for what, value in run.items()]
+                connection.executemany("INSERT INTO run VALUES (?, ?)", items)
 
 
-def _check(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
-    """Refuse a file that is not this run's."""
+def _check(connection: sqlite3.Connection, run: Mapping[str, Any]) -> int:
+    """The format of a file, which is refused if it is not this run's."""
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError("is a database, but no journal of a search")
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version > FORMAT:
+        raise ValueError(f"has the format {version}; this version of slmm reads those up to {FORMAT}")
     # those that SQLite makes itself, for keys, have no text
     made = connection.execute("SELECT sql FROM sqlite_master WHERE sql NOT NULL ORDER BY rowid")
-    if [sql for (sql,) in made] != [*TABLES]:
+    if [sql for (sql,) in made] != [*FIRST_TABLES, *(MORE_TABLES if version == FORMAT else ())]:
         raise ValueError("has other tables than the journals of this version")
     (sound,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
     if sound != "ok":
@@ -184,6 +231,7 @@ def _check(connection: sqlite3.Connection, run: Mapping[str, Any]) -> None:
     if differ := [what for what in this if its.get(what) != this[what]]:
         theirs, ours = (", ".join(f"{what} = {a.get(what)}" for what in differ) for a in (its, this))
         raise ValueError(f"is that of another run, with {theirs}; this one has {ours}")
+    return int(version)
 
 
 def _new_session(connection: sqlite3.Connection) -> int:

@@ -12,12 +12,10 @@ import numpy as np
 import xarray as xr
 
 from slmm.optimization.checks import check_whole
-from slmm.optimization.evaluation import processes
 from slmm.optimization.problem import Problem
 from slmm.optimization.search import SearchResult, search
-
-#: is told how many runs are done, the number of simulations, and the best value so far, of all runs
-Progress = Callable[[int, int, float], None]
+from slmm.running.processes import processes
+from slmm.running.progress import Progress, silent
 
 
 def search_runs(
@@ -29,7 +27,7 @@ def search_runs(
     workers: int = 1,
     journals: str | Path | None = None,
     resume: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     **options: Any,
 ) -> xr.Dataset:
     """Search again and again, the k-th time with seed + k.
@@ -44,8 +42,8 @@ def search_runs(
         A folder for the journal of each run, see `slmm.optimization.journal`; made where it is missing.
     resume : bool
         Go on with the journals that are there.
-    progress : callable, optional
-        Is told how many runs are done, the number of simulations, and the best value so far, of all runs.
+    progress : callable
+        Is told the share of runs that is done, and their number of simulations and best value so far in words.
     problem, algorithm, seed, options
         As in `slmm.optimization.search`.
 
@@ -71,7 +69,7 @@ def search_runs(
     if journals is not None:
         Path(journals).mkdir(parents=True, exist_ok=True)
     one = partial(_one, problem, algorithm, seed, journals, resume, options)
-    told = _Told(progress)
+    told = _Told(progress, runs, problem.objective["units"])
     results: dict[int, SearchResult] = {}
     for k, result in (
         _beside(one, runs, workers) if min(runs, workers) > 1 else _in_turn(one, runs, workers, told)
@@ -128,19 +126,24 @@ def _beside(one: Callable[..., SearchResult], runs: int, workers: int) -> Iterat
 class _Told:
     """Sums up what is told."""
 
-    def __init__(self, progress: Progress | None) -> None:
-        self.progress = progress
+    def __init__(self, progress: Progress, of: int, units: str) -> None:
+        self.progress, self.of, self.units = progress, of, units
         self.runs = self.simulations = 0
         self.best = np.inf
 
     def on_the_way(self, simulations: int, value: float) -> None:
         """By a run that goes on."""
-        if self.progress is not None:
-            self.progress(self.runs, self.simulations + simulations, min(self.best, value))
+        self.say(self.simulations + simulations, min(self.best, value))
 
     def of_run(self, result: SearchResult) -> None:
         """By one that is done."""
         self.runs, self.simulations = self.runs + 1, self.simulations + result.simulations
         self.best = min(self.best, result.value)
-        if self.progress is not None:
-            self.progress(self.runs, self.simulations, self.best)
+        self.say(self.simulations, self.best)
+
+    def say(self, simulations: int, best: float) -> None:
+        """All of it."""
+        words = (
+            f"{self.runs} of {self.of} runs done: {simulations:,} simulations, best {best:.6g} {self.units}"
+        )
+        self.progress(self.runs / self.of, words)

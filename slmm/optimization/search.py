@@ -18,17 +18,19 @@ from slmm.optimization.algorithms.multi_grid import mg
 from slmm.optimization.algorithms.registry import ON_ONE_GRID, Algorithm, chosen, completed
 from slmm.optimization.ask import Ask, Asking, improvements
 from slmm.optimization.checks import check_whole
-from slmm.optimization.evaluation import Evaluation, Part, evaluating
+from slmm.optimization.evaluation import Evaluation, Part
 from slmm.optimization.journal import open_journal
-from slmm.optimization.problem import Problem
+from slmm.optimization.memory import Memory
+from slmm.optimization.problem import NEEDED, Problem, check_has
+from slmm.optimization.workers import evaluating
 
 if TYPE_CHECKING:
     from distributed import Client
 
 ALGORITHMS: Mapping[str, Algorithm] = {**ON_ONE_GRID, "mg": mg}
 
-#: is told the number of simulations, and the best value so far
-Progress = Callable[[int, float], None]
+#: is told the number of simulations, and the best value so far: results on the way, where nobody knows how far it is
+Found = Callable[[int, float], None]
 
 
 @dataclass(frozen=True)
@@ -133,17 +135,20 @@ def search(
     client: Client | None = None,
     journal: str | Path | None = None,
     resume: bool = False,
-    progress: Progress | None = None,
+    progress: Found | None = None,
     max_simulations: int | None = None,
     **settings: Any,
 ) -> SearchResult:
     """Look for the design with the least value.
 
-    The same seed finds the same result, to the bit, however many workers there are.
+    The same seed finds the same result, to the bit, however many workers there are: designs have an order, and an
+    answer ends with the first one in it that is good enough, even if a later one has come back before.
 
     Parameters
     ----------
     problem : Problem
+        Cheap (`slmm.optimization.problem.ManyAtOnce`) or expensive (`slmm.optimization.problem.OneByOne`). Designs of
+        an expensive one go out as soon as a worker is free, and those whose evaluation fails are recorded as failed.
     algorithm : str
         ``tbfsl`` (settings ``depth``, ``radius``), ``bfsl`` (``depth``), ``fs``, ``ga`` (``population``,
         ``recombinations``, ``mutation``, ``patience``), ``sa`` (``temperature``, ``cooling``, ``iterations``), ``rs``
@@ -174,10 +179,10 @@ def search(
     Raises
     ------
     ValueError
-        For an unknown algorithm or setting, one out of range, a start that is no valid design, or a journal that cannot
-        be continued.
+        For an unknown algorithm or setting, one out of range, a problem that lacks what the algorithm needs, a start
+        that is no valid design, or a journal that cannot be continued.
     RuntimeError
-        When no design that was simulated has a value.
+        When no design that was simulated has a value; with the reason of one of them, if evaluations told any.
 
     Examples
     --------
@@ -201,6 +206,7 @@ def search(
     if journal is not None and type(problem).__repr__ is object.__repr__:
         raise ValueError(f"journal: {problem!r} needs a __repr__ of its own, which tells it from others")
     settings = check_settings(algorithm, settings)
+    check_has(problem, *NEEDED)
     try:
         asking = ALGORITHMS[algorithm](problem, start, np.random.default_rng(seed), **settings)
         # what is wrong with settings or start comes out before anything is opened
@@ -217,15 +223,16 @@ def search(
     }
     record = _Record(progress, np.inf if max_simulations is None else max_simulations)
     with (
-        nullcontext() if journal is None else open_journal(journal, run, resume) as memory,
-        evaluating(workers, client) as (evaluate, at_once),
+        nullcontext() if journal is None else open_journal(journal, run, resume) as opened,
+        evaluating(workers, client) as crew,
     ):
-        evaluation = Evaluation(evaluate, at_once)
-        if memory is not None:
-            evaluation.known, evaluation.record = memory.known(), memory.add
+        memory = Memory() if opened is None else opened.memory()
+        evaluation = Evaluation(crew, memory)
         stopped = _run(asking, first, evaluation, record)
+        evaluation.finish()
     if record.best_design is None:
-        raise RuntimeError(f"{algorithm}: none of {record.simulations} simulated designs has a value")
+        reason = next((f", one of them as {said}" for _, said in memory.failures.values()), "")
+        raise RuntimeError(f"{algorithm}: none of {record.simulations} simulated designs has a value{reason}")
     return SearchResult(
         repr(record.problem),
         algorithm,
@@ -274,7 +281,7 @@ def _run(asking: Asking, ask: Ask, evaluation: Evaluation, record: _Record) -> s
 class _Record:
     """Counts simulations, and keeps the best design on the present grid."""
 
-    def __init__(self, progress: Progress | None, most: float) -> None:
+    def __init__(self, progress: Found | None, most: float) -> None:
         self.progress = progress
         self.most = most
         self.simulations = self.failed = 0

@@ -1,1 +1,1 @@
-"""What every part of the package needs to live on a machine: files, threads, text."""
+"""What every part of the package needs to live on a machine: files, threads, processes, progress, text."""

@@ -404,8 +404,9 @@ def test_runs_side_by_side_are_those_one_after_the_other(tmp_path):
     )
     in_turn = search_runs(BEAM, "tbfsl", **options)
     xr.testing.assert_identical(beside, in_turn)
-    assert [news[0] for news in told] == [1, 2, 3]
-    assert told[-1][1:] == (int(in_turn.simulations.sum()), float(in_turn.value.min()))
+    simulations, best = int(in_turn.simulations.sum()), float(in_turn.value.min())
+    assert [share for share, _ in told] == [1 / 3, 2 / 3, 1]
+    assert told[-1][1] == f"3 of 3 runs done: {simulations:,} simulations, best {best:.6g} mm"
     assert sorted(path.name for path in tmp_path.glob("*.sqlite")) == [f"run-{k}.sqlite" for k in (4, 5, 6)]
     with pytest.raises(ValueError, match="depth"):
         search_runs(BEAM, "tbfsl", runs=2, workers=2, depth=0)

@@ -132,8 +132,8 @@ def test_part_that_is_not_whole_is_solved_anew(tmp_path):
     # what a killed run leaves behind
     parts[3].rename(parts[3].with_suffix(".4711.partial"))
     steps = []
-    run_sweep(FEW, tmp_path, 1, lambda done, of: steps.append((done, of)))
-    assert steps == [(0, 4), (1, 4), (2, 4), (3, 4), (4, 4)]
+    run_sweep(FEW, tmp_path, 1, lambda *told: steps.append(told))
+    assert steps == [(k / 4, f"{k} of 4 crack cells") for k in range(5)]
     for part, values in zip(parts, whole, strict=True):
         again = np.load(part)
         assert all(np.array_equal(again[name], value) for name, value in values.items())

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from slmm.optimization.ask import Ask, Asking
 from slmm.optimization.checks import check_between, check_whole
 from slmm.optimization.problem import Problem, start_design
+
+#: share that rounding may change of a value (round-off, with room)
+ROUND_OFF = 1e-9
 
 
 def sa(
@@ -41,8 +46,9 @@ def sa(
         flipped = random_neighbour(problem, design, free, rng)
         if flipped is None:
             return "no valid neighbour"
-        (other,) = yield Ask(problem, flipped[None])
-        if accepts(other - value, temperature, rng.random()):
+        chance = rng.random()
+        (other,) = yield Ask(problem, flipped[None], needed=above_kept(value, temperature, chance))
+        if accepts(other - value, temperature, chance):
             design, value = flipped, other
         temperature *= cooling
     return "all iterations done"
@@ -68,3 +74,22 @@ def accepts(difference: float, temperature: float, chance: float) -> bool:
     if difference > 0:
         return temperature > 0 and chance <= np.exp(-difference / temperature)
     return bool(difference <= 0)
+
+
+def above_kept(value: float, temperature: float, chance: float) -> float:
+    """What all values that would be kept in place of this one are below, by a random number between 0 and 1.
+
+    Examples
+    --------
+    >>> limit = above_kept(2.0, 0.1, 0.5)
+    >>> accepts(limit - 2.0, 0.1, 0.5), round(limit - 2.0, 6), round(0.1 * np.log(2), 6)
+    (False, 0.069315, 0.069315)
+    """
+    if temperature == 0:
+        worse = 0.0
+    elif chance == 0:
+        return math.inf
+    else:
+        worse = -temperature * math.log(chance)
+    # exponential and logarithm are not each other's inverse in the last digits
+    return math.nextafter(value + worse + ROUND_OFF * (abs(value) + worse), math.inf)

@@ -83,7 +83,7 @@ def descent(
     level = 0
     while level < levels:
         neighbours = Flipped(best, neighbourhood(best, level))
-        values = yield Ask(problem, neighbours, below=value)
+        values = yield Ask(problem, neighbours, below=value, needed=value)
         if len(values) and values[-1] < value:
             best, value, level = neighbours[len(values) - 1 : len(values)][0], values[-1], 0
         else:

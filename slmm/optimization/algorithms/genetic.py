@@ -7,11 +7,11 @@ from numpy.typing import ArrayLike
 
 from slmm.optimization.ask import Ask, Asking
 from slmm.optimization.checks import check_between, check_whole
-from slmm.optimization.problem import Problem, random_design, start_designs
+from slmm.optimization.problem import Problem, Repairing, check_has, random_design, start_designs
 
 
 def ga(
-    problem: Problem,
+    problem: Repairing,
     start: ArrayLike | None,
     rng: np.random.Generator,
     *,
@@ -38,6 +38,7 @@ def ga(
         distance of the median from the best of each generation, which serves any problem. Eq. 4 says 1 mm, but what
         Table 2 has found is found with 0.01 mm.
     """
+    check_has(problem, "repaired")
     _check(population, recombinations, mutation, patience, scale)
     designs = first_generation(problem, start, rng, population)
     known: dict[bytes, float] = {}

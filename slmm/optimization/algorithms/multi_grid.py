@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from slmm.optimization.algorithms.registry import ON_ONE_GRID, Algorithm, chosen, completed
 from slmm.optimization.ask import Ask, Asking, improvements
-from slmm.optimization.problem import Problem
+from slmm.optimization.problem import Repairing, Resizing, check_has
 
 #: columns, rows, algorithm, settings
 Stage = tuple[int, int, str, Mapping[str, Any]]
@@ -33,7 +33,7 @@ PUBLISHED: tuple[Stage, ...] = tuple(
 
 
 def mg(
-    problem: Problem,
+    problem: Resizing,
     start: ArrayLike | None,
     rng: np.random.Generator,
     *,
@@ -46,6 +46,7 @@ def mg(
     stages : sequence of (int, int, str, mapping)
         Columns, rows, algorithm and its settings; the last grid is the problem's.
     """
+    check_has(problem, "repaired", "resized")
     if not isinstance(stages, Sequence):
         raise ValueError(f"stages = {stages!r}: must be a sequence")
     algorithms = [checked(problem, stage) for stage in stages]
@@ -64,7 +65,7 @@ def mg(
     return f"last grid: {stopped}"
 
 
-def checked(problem: Problem, stage: Stage) -> Algorithm:
+def checked(problem: Resizing, stage: Stage) -> Algorithm:
     """The algorithm of a stage, which takes its settings.
 
     Raises
@@ -101,7 +102,7 @@ def followed(asking: Asking) -> Generator[Ask, np.ndarray, tuple[np.ndarray | No
         return design, end.value
 
 
-def transferred(design: np.ndarray, problem: Problem) -> np.ndarray:
+def transferred(design: np.ndarray, problem: Repairing) -> np.ndarray:
     """A valid design on a problem's grid like one on another grid (rows, columns)."""
     rows, columns = problem.shape
     result = np.where(problem.fixed, problem.start, scaled(design, columns, rows))

@@ -11,7 +11,7 @@ from slmm.optimization.problem import Problem, random_cells
 
 #: free cells of which all designs are tried
 MOST = 20
-#: designs in one request
+#: designs in one request (chosen)
 BATCH = 1024
 
 
@@ -25,11 +25,15 @@ def bf(problem: Problem, start: ArrayLike | None, rng: np.random.Generator) -> A
         raise ValueError(
             f"{count} free cells: no more than {MOST} are tried; brute-force knows all designs of larger cantilevers"
         )
-    for first in range(0, 1 << count, BATCH):
-        codes = np.arange(first, min(first + BATCH, 1 << count))
+    best, first, batch = np.inf, 0, 1
+    while first < 1 << count:
+        codes = np.arange(first, min(first + batch, 1 << count))
         designs = np.repeat(problem.start[None], len(codes), axis=0)
         designs[:, free] = codes[:, None] >> np.arange(count) & 1
-        yield Ask(problem, designs)
+        values = yield Ask(problem, designs, needed=best)
+        best = np.fmin.reduce(values, initial=best)
+        # small ones first: from then on only what is better need be known
+        first, batch = first + batch, min(2 * batch, BATCH)
     return "all designs tried"
 
 

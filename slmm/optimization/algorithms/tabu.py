@@ -54,6 +54,8 @@ def tabu(
     check_whole("focus", focus, 0)
     check_whole("focused_tenure", focused_tenure, 0)
     check_whole("patience", patience, 1)
+    if not hasattr(problem, "repaired"):
+        random_design(problem, np.random.default_rng(0))  # that there is none is told now, not after hours
     free = np.flatnonzero(~problem.fixed)
     usual_tenure = round(tenure * len(free))
     known: dict[bytes, float] = {}

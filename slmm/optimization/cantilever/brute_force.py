@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from slmm.optimization.cantilever.beam import Cantilever
 from slmm.optimization.cantilever.exhaustive import Block, all_designs, check_grid, count_valid, design_of
 from slmm.optimization.checks import check_whole
 from slmm.running.array_file import read_arrays
+from slmm.running.progress import Progress, silent
 from slmm.running.whole_file import whole_file
 
 #: values closer than this share of the larger one are those of the same design, computed in another way
@@ -31,7 +31,7 @@ BEST = 200_000
 def brute_force(
     beam: Cantilever,
     best: int = BEST,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress = silent,
     journal: str | Path | None = None,
     resume: bool = False,
 ) -> xr.Dataset:
@@ -42,7 +42,7 @@ def brute_force(
     beam : Cantilever
     best : int
         How many of them; all if there are less.
-    progress : callable, optional
+    progress : callable
         Is told the share that is done, and a word.
     journal : str or Path, optional
         An npz file for what is known, written again and again. For hours of work.
@@ -81,8 +81,7 @@ def brute_force(
     written = time.monotonic()
     for block in all_designs(beam, state.blocks):
         state.add(block, best)
-        if progress is not None:
-            progress(state.designs / total, f"{state.designs:,} of {total:,} designs")
+        progress(state.designs / total, f"{state.designs:,} of {total:,} designs")
         if path is not None and time.monotonic() - written > INTERVAL:
             state.write(path)
             written = time.monotonic()
