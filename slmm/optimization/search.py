@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import ChainMap
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ from slmm.optimization.workers import evaluating
 if TYPE_CHECKING:
     from distributed import Client
 
-ALGORITHMS: Mapping[str, Algorithm] = {**ON_ONE_GRID, "mg": mg}
+ALGORITHMS: Mapping[str, Algorithm] = ChainMap({"mg": mg}, ON_ONE_GRID)
 
 #: is told the number of simulations, and the best value so far: results on the way, where nobody knows how far it is
 Found = Callable[[int, float], None]

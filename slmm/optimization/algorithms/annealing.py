@@ -81,9 +81,8 @@ def above_kept(value: float, temperature: float, chance: float) -> float:
 
     Examples
     --------
-    >>> limit = above_kept(2.0, 0.1, 0.5)
-    >>> accepts(limit - 2.0, 0.1, 0.5), round(limit - 2.0, 6), round(0.1 * np.log(2), 6)
-    (False, 0.069315, 0.069315)
+    >>> round(above_kept(2.0, 0.1, 0.5), 6), bool(accepts(0.0693, 0.1, 0.5)), bool(accepts(0.0694, 0.1, 0.5))
+    (2.069315, True, False)
     """
     if temperature == 0:
         worse = 0.0

@@ -1,4 +1,9 @@
-"""The algorithms that stay on one grid, by name, and their settings."""
+"""The algorithms that stay on one grid, by name, and their settings.
+
+A new one is a file beside this one, as `slmm.optimization.algorithms.free_shape` is, and a line in the table below:
+searches, several grids and journals take it from there, and its settings from its keywords. How it asks for values
+stands in `slmm.optimization.ask`.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +24,7 @@ from slmm.optimization.ask import Asking
 #: called with a problem, a start (or None), a random generator, and its settings by name
 Algorithm = Callable[..., Asking]
 
-ON_ONE_GRID: Mapping[str, Algorithm] = {
+ON_ONE_GRID: dict[str, Algorithm] = {
     "bf": bf,
     "bfsl": bfsl,
     "fs": fs,
