@@ -55,6 +55,16 @@ class Piece(NamedTuple):
 
 
 @dataclass
+class Place:
+    """One of the designs (rows, columns) asked for: whether it is valid, its key, and its value if that is known."""
+
+    design: np.ndarray
+    valid: bool
+    name: bytes
+    value: float | None
+
+
+@dataclass
 class Evaluation:
     """Answers what algorithms ask, and remembers what is found.
 
@@ -153,7 +163,7 @@ class Evaluation:
         open_places: deque[Place] = deque()
         ended = False
         while True:
-            while not ended and len(self.out) < self.workers.number:
+            while not ended and not (open_places and self.is_waiting(open_places[-1])):
                 place = next(coming, None)
                 if place is None:
                     ended = True
@@ -166,9 +176,7 @@ class Evaluation:
             if known:
                 yield part_of(known)
             if not open_places:
-                if ended:
-                    return
-                continue
+                return
             self.take_in()
             for i, place in enumerate(open_places):
                 if self.is_below(place, ask):
@@ -183,12 +191,8 @@ class Evaluation:
         for designs, valid, candidate, _ in self.pieces(ask, most, by_model=True):
             names = iter(keys(ask.problem, designs[candidate]))
             for design, ok, open_ in zip(designs, valid, candidate, strict=True):
-                yield Place(
-                    design,
-                    bool(ok),
-                    next(names) if open_ else b"",
-                    None if open_ else np.inf if ok else np.nan,
-                )
+                known = np.inf if ok else np.nan
+                yield Place(design, bool(ok), next(names) if open_ else b"", None if open_ else known)
 
     def is_below(self, place: Place, ask: Ask) -> bool:
         """Whether a design is known to be below the limit by now; if it is not known, it goes out to a free worker."""
@@ -199,6 +203,10 @@ class Evaluation:
         if place.name not in self.out and len(self.out) < self.workers.number:
             self.out[place.name] = self.workers.one(ask.problem, place.design, ask.needed), ask.needed
         return False
+
+    def is_waiting(self, place: Place) -> bool:
+        """Whether a design could not go out yet, as no worker was free."""
+        return place.value is None and place.name not in self.out
 
     def take_in(self) -> None:
         """Wait until an evaluation is done, and remember what it has found."""
@@ -212,16 +220,6 @@ class Evaluation:
         """Wait for what is out: it is remembered, too."""
         while self.out:
             self.take_in()
-
-
-@dataclass
-class Place:
-    """One of the designs (rows, columns) asked for: whether it is valid, its key, and its value if that is known."""
-
-    design: np.ndarray
-    valid: bool
-    name: bytes
-    value: float | None
 
 
 def part_of(places: list[Place]) -> Part:

@@ -69,7 +69,7 @@ class Memory:
         (None, None, None)
         """
         if (value := self.values.get(name)) is not None:
-            return value if value < needed else np.inf
+            return np.inf if value >= needed else value
         if self.bounds.get(name, -np.inf) >= needed:
             return np.inf
         if name in self.failures and self.failures[name][0] <= needed:

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from slmm.optimization import search
-from slmm.optimization.ask import Ask
+from slmm.optimization.ask import Ask, Flipped
 from slmm.optimization.evaluation import Evaluation
 from slmm.optimization.journal import FORMAT, open_journal
 from slmm.optimization.memory import Memory
@@ -107,6 +107,25 @@ class Mirrored(Rows):
         return super().found(design, below)
 
 
+class WithModel(Rows):
+    """With a quick model of neighbours, which is off by as much as it says, or knows nothing."""
+
+    def neighbours(self, centre):
+        return Around(self, centre)
+
+
+class Around:
+    def __init__(self, problem, centre):
+        self.problem, self.centre = problem, centre
+
+    def evaluate(self, flips):
+        values = [self.problem.found(design, 1e9) for design in Flipped(self.centre, flips)[:]]
+        values = np.array([each.value if isinstance(each, Value) else np.nan for each in values])
+        dice = np.random.default_rng(flips.sum())
+        error = dice.uniform(0, 0.5, len(flips))
+        return np.where(dice.random(len(flips)) < 0.1, np.nan, values + error * dice.uniform(-1, 1)), error
+
+
 def evaluated(log):
     """Keys, limits and what was found."""
     return [(key, below, found) for key, below, found in map(json.loads, Path(log).read_text().splitlines())]
@@ -134,6 +153,17 @@ def test_a_design_is_given_up_as_soon_as_it_cannot_be_better(tmp_path):
         search(Rows(log), algorithm, seed=3, **ALL[algorithm])
         kinds = Counter(found.partition("(")[0] for _, _, found in evaluated(log))
         assert kinds["Bound"] > kinds["Value"]
+
+
+def test_a_quick_model_spares_evaluations_and_changes_nothing(tmp_path):
+    for seed in range(3):
+        logs = tmp_path / f"plain{seed}", tmp_path / f"model{seed}"
+        plain, quick = (
+            search(kind(log), "tbfsl", seed=seed) for kind, log in zip((Rows, WithModel), logs, strict=True)
+        )
+        assert same(plain, quick)
+        few, many = len(evaluated(logs[1])), len(evaluated(logs[0]))
+        assert few < 0.6 * many
 
 
 @pytest.mark.parametrize("kind", [Rows, Mirrored])
