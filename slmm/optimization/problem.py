@@ -261,7 +261,8 @@ def random_design(problem: Problem, rng: np.random.Generator) -> np.ndarray:
     repaired = getattr(problem, "repaired", None)
     if repaired is None:
         raise ValueError(
-            f"start: must be given, as none of {DRAWS} random designs is valid and {problem!r} has no repaired"
+            f"problem: none of {DRAWS} random designs is valid, and {problem!r} has no repaired to make one; "
+            "give it that, or a start to an algorithm that goes on from it alone"
         )
     return repaired(designs[-1])
 
