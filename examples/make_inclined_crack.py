@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.slit import open_slits
 from slmm.part.part import Part
@@ -17,7 +18,7 @@ def main() -> None:
     """Write both files next to this script."""
     half = HALF * np.array([np.cos(ANGLE), np.sin(ANGLE)])
     crack = np.array([SIDE / 2 - half, SIDE / 2 + half])
-    mesh = open_slits(plate_mesh(Part.plate(SIDE, SIDE, cracks=[crack]), size_max=8.0)).mesh
+    mesh = open_slits(plate_mesh(Part.plate(SIDE, SIDE, cracks=[crack]), policy=SizePolicy(largest=8.0))).mesh
     points = mesh.doflocs.T
     triangles = np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]).T
     a, b, c = points[triangles[:, :3]].swapaxes(0, 1)

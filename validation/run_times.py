@@ -37,6 +37,7 @@ from speed import per_position
 from precompute.spec import PUBLISHED_CURVATURES, SweepSpec
 from precompute.sweep import run_sweep
 from slmm import Scene, failure_indices
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import PlateMesh, plate_mesh
 from slmm.fem.plate_model import PlateModel, SlitModel, factorised, nested_dissection
 from slmm.initiation.by_full_fea import LENGTHS, SPAN
@@ -142,7 +143,7 @@ class TrialPath:
         depth, plate = path_depths(self.a), self.scene.plate
         path = self.start + depth[:, None] * self.direction
         size = min(plate.width, plate.height) / 8
-        mesh = plate_mesh(self.scene.part, path, size, 0.25)
+        mesh = plate_mesh(self.scene.part, path, SizePolicy(size, 0.25))
         tips = len(depth) - 1 - nodes_per_length(self.a) * np.arange(LENGTHS)[::-1]
         for level in range(levels):
             yield mesh, tips * 2**level

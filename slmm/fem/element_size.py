@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -20,8 +21,6 @@ GROWTH = 0.3
 INTERVALS, SHARPEST = 256, 1e-6
 #: elements in the narrowest part of a gap
 ACROSS_GAP = 2
-#: size at a crack tip or a corner of the material, as a share of the crack or of the sides that meet there
-SINGULAR_SHARE = 1e-3
 #: a crack that turns by less goes straight on, rad; chosen, the stress at such a kink rises with r^-0.0006 at most
 STRAIGHT_ON = 1e-3
 
@@ -29,6 +28,29 @@ STRAIGHT_ON = 1e-3
 SAMPLED = 2.0
 #: where the quarters of a square lie about its centre, in halves of their sides
 QUARTERS = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class SizePolicy:
+    """How fine a mesh shall be.
+
+    Parameters
+    ----------
+    largest : float, optional
+        Largest element, mm; by default a twelfth of the part's shorter side.
+    turn : float
+        How far an outline may turn along one element edge, rad.
+    at_tips : float
+        Element size at the tip of a crack and at a corner of the material, as a share of the crack's length or of the
+        sides that meet at the corner.
+    at_kinks : float
+        The same at the kinks of a crack and where cracks meet, where the stress is less singular, if at all.
+    """
+
+    largest: float | None = None
+    turn: float = 0.12
+    at_tips: float = 1e-3
+    at_kinks: float = 1e-3
 
 
 class ElementSize:
@@ -107,8 +129,9 @@ def _sizes(points, sources, prescribed, largest):
     return size
 
 
-def follow_outline(size: ElementSize, outline: Outline, angle_max: float, body: shapely.Polygon) -> None:
-    """No edge on the outline turns by more than ``angle_max``, rad; small elements at corners of the body."""
+def follow_outline(size: ElementSize, outline: Outline, policy: SizePolicy, body: shapely.Polygon) -> None:
+    """No edge on the outline turns by more than is allowed; small elements at corners of the body."""
+    angle_max = policy.turn
     ends = np.concatenate([outline.corners, outline.corners[:1] + outline.length])
     if not len(outline.corners):
         ends = np.array([0.0, outline.length])
@@ -126,7 +149,7 @@ def follow_outline(size: ElementSize, outline: Outline, angle_max: float, body: 
         at = outline.points(outline.corners[singular])
         # a notch that cuts the outer edge has corners outside
         of_body = shapely.distance(shapely.points(at), body) < 1e-9 * body.length
-        size.prescribe(at[of_body], SINGULAR_SHARE * shorter[singular][of_body])
+        size.prescribe(at[of_body], policy.at_tips * shorter[singular][of_body])
 
 
 def _turns(outline: Outline, s0: float, s1: float, angle_max: float) -> tuple[np.ndarray, np.ndarray]:
@@ -141,7 +164,9 @@ def _turns(outline: Outline, s0: float, s1: float, angle_max: float) -> tuple[np
         s = np.insert(s, np.flatnonzero(sharp) + 1, 0.5 * (s[1:] + s[:-1])[sharp])
 
 
-def follow_cracks(size: ElementSize, cracks: Sequence[Crack], lines: Sequence[np.ndarray]) -> None:
+def follow_cracks(
+    size: ElementSize, cracks: Sequence[Crack], lines: Sequence[np.ndarray], policy: SizePolicy
+) -> None:
     """Small elements at tips and kinks, and where cracks meet such that a corner of the material is left.
 
     The lines (n, 2) of the cracks have points of their own where they meet.
@@ -154,8 +179,9 @@ def follow_cracks(size: ElementSize, cracks: Sequence[Crack], lines: Sequence[np
         surface = [end.kind == "surface" for end in (crack.start, crack.end)]
         inner = line[surface[0] : len(line) - surface[1]]
         at = np.array([point for point in inner if _has_corner(directions[point.tobytes()])]).reshape(-1, 2)
+        is_tip = np.array([len(directions[point.tobytes()]) == 1 for point in at], dtype=bool)
         length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-        size.prescribe(at, np.full(len(at), SINGULAR_SHARE * length))
+        size.prescribe(at, length * np.where(is_tip, policy.at_tips, policy.at_kinks))
 
 
 def _has_corner(directions: Sequence[np.ndarray]) -> bool:
@@ -199,13 +225,14 @@ def along_path(path: np.ndarray) -> np.ndarray:
 
 
 def all_sizes(
-    largest: float, part: Part, cracks: Sequence[np.ndarray], path: np.ndarray | None, angle_max: float
+    policy: SizePolicy, part: Part, cracks: Sequence[np.ndarray], path: np.ndarray | None
 ) -> ElementSize:
     """Sizes for a part: outlines, gaps, cracks along lines (n, 2), a trial path (k, 2) of given nodes."""
-    size = ElementSize(largest)
+    shorter = float(np.ptp(part.outer, axis=0).min())
+    size = ElementSize(shorter / 12 if policy.largest is None else policy.largest)
     for outline in part.holes:
-        follow_outline(size, outline, angle_max, part.body)
-    follow_cracks(size, part.cracks, cracks)
+        follow_outline(size, outline, policy, part.body)
+    follow_cracks(size, part.cracks, cracks, policy)
     resolve_gaps(size, part.body)
     if path is not None:
         # a crack tip or corner that it goes on from is as fine as its own steps: the mesher follows no sudden change

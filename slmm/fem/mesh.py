@@ -15,7 +15,6 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
-from slmm.fem import element_size
 from slmm.fem.boundary import (
     boundary_pieces,
     boundary_segments,
@@ -23,6 +22,7 @@ from slmm.fem.boundary import (
     path_nodes,
     spaced,
 )
+from slmm.fem.element_size import SizePolicy, all_sizes
 from slmm.fem.triangulation import MesherError, triangulated
 from slmm.part.crack import TIP, Crack, with_point
 from slmm.part.outline import Outline
@@ -126,8 +126,7 @@ class PlateMesh:
 def plate_mesh(
     part: Part,
     path: np.ndarray | None = None,
-    size_max: float | None = None,
-    angle_max: float = 0.12,
+    policy: SizePolicy | None = None,
     fine_at: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> PlateMesh:
     """Mesh a part.
@@ -140,10 +139,8 @@ def plate_mesh(
         Nodes of a straight trial crack path, from its mouth (on a surface, or a crack's tip) inwards, mm. The elements
         along it are as large as the distance between its nodes; where the surroundings are finer, there are more nodes
         between them. It may end on a surface or a crack, and then goes through the ligament.
-    size_max : float, optional
-        Largest element, mm; by default a twelfth of the part's shorter side.
-    angle_max : float
-        How far an outline may turn along one element edge, rad.
+    policy : SizePolicy, optional
+        How fine.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
         Points of the boundary and of cracks where edges must not be longer than the sizes given, mm.
 
@@ -162,7 +159,7 @@ def plate_mesh(
 
     Examples
     --------
-    >>> mesh = plate_mesh(Part.plate(2.0, 1.0), size_max=0.5)
+    >>> mesh = plate_mesh(Part.plate(2.0, 1.0), policy=SizePolicy(0.5))
     >>> corner = mesh.vertices[mesh.triangles]
     >>> a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     >>> round(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2), 12)
@@ -170,7 +167,6 @@ def plate_mesh(
     """
     outlines, body = part.holes, part.body
     extent = np.ptp(part.outer, axis=0)
-    largest = float(extent.min()) / 12 if size_max is None else size_max
     cracks = list(part.crack_lines)
     mouths = [point for crack in part.cracks for point in _mouths(crack)]
     goes_through = False
@@ -184,7 +180,7 @@ def plate_mesh(
             cracks[last.number] = with_point(cracks[last.number], path[-1], part.tolerance)
         elif goes_through:
             mouths.append(path[-1])
-    size = element_size.all_sizes(largest, part, cracks, path, angle_max)
+    size = all_sizes(policy or SizePolicy(), part, cracks, path)
     if fine_at is not None:
         size.prescribe(*fine_at)
     rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
@@ -199,11 +195,13 @@ def plate_mesh(
         inner = []
         for line, crack in zip(lines, part.cracks, strict=True):
             ends = [end.kind == "surface" for end in (crack.start, crack.end)]
-            points, numbers = _numbered(points, line, ends, joints, largest)
+            points, numbers = _numbered(points, line, ends, joints, size.largest)
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         if path is not None:
-            points, numbers = _numbered(points, path_nodes(path, size), [True, goes_through], {}, largest)
+            points, numbers = _numbered(
+                points, path_nodes(path, size), [True, goes_through], {}, size.largest
+            )
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         try:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 import xarray as xr
@@ -56,25 +57,66 @@ NO_ELASTICITY = "no linear elasticity is known here: K_I, K_II, kinks and J acro
 TOO_COARSE = "fewer than {} edges of elements between the tip and what lies next to it: mesh too coarse"
 CLOSED = "K_I is negative: the faces would overlap"
 
-#: (dimensions, units, long name) of the result
-_VARIABLES = {
-    "x": (("tip",), "mm", "place of the crack tip"),
-    "y": (("tip",), "mm", "place of the crack tip"),
-    "angle": (("tip",), "degree", "direction in which the crack points, from the x axis"),
-    "radius": (("tip", "contour"), "mm", "radius of the domain of a contour"),
-    "J_x": (("tip", "contour"), "N/mm", "J, component along x"),
-    "J_y": (("tip", "contour"), "N/mm", "J, component along y"),
-    "G": (("tip",), "N/mm", "energy release rate of growth straight on, median of the contours"),
-    "spread": (("tip",), "1", "largest less least of that on the contours, over its median"),
-    "J_across": (("tip",), "N/mm", "J left of the crack's direction, median of the contours"),
-    "K_I": (("tip",), "MPa sqrt(mm)", "stress intensity of mode I, median of the contours"),
-    "K_II": (("tip",), "MPa sqrt(mm)", "stress intensity of mode II, median of the contours"),
-    "kink": (
-        ("tip", "criterion"),
-        "degree",
-        "angle from the crack's direction to that in which it would run on",
-    ),
-}
+
+class Known(NamedTuple):
+    """How a value of a tip stands in the result: dimensions besides the tip, units and name."""
+
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+@dataclass
+class TipLoading:
+    """What is known of one crack tip; NaN where it is not, and ``status`` says why."""
+
+    x: Annotated[float, Known((), "mm", "place of the crack tip")]
+    y: Annotated[float, Known((), "mm", "place of the crack tip")]
+    angle: Annotated[float, Known((), "degree", "direction in which the crack points, from the x axis")]
+    radius: Annotated[np.ndarray, Known(("contour",), "mm", "radius of the domain of a contour")]
+    J_x: Annotated[np.ndarray, Known(("contour",), "N/mm", "J, component along x")]
+    J_y: Annotated[np.ndarray, Known(("contour",), "N/mm", "J, component along y")]
+    G: Annotated[
+        float, Known((), "N/mm", "energy release rate of growth straight on, median of the contours")
+    ]
+    spread: Annotated[float, Known((), "1", "largest less least of that on the contours, over its median")]
+    J_across: Annotated[float, Known((), "N/mm", "J left of the crack's direction, median of the contours")]
+    K_I: Annotated[float, Known((), "MPa sqrt(mm)", "stress intensity of mode I, median of the contours")]
+    K_II: Annotated[float, Known((), "MPa sqrt(mm)", "stress intensity of mode II, median of the contours")]
+    kink: Annotated[
+        np.ndarray,
+        Known(("criterion",), "degree", "angle from the crack's direction to that in which it would run on"),
+    ]
+    status: Annotated[str, Known((), "1", "whether all is known, or why not")]
+
+    @classmethod
+    def at(cls, tip: CrackTip, contours: int) -> TipLoading:
+        """A tip of which nothing is known but its place."""
+        size = {"contour": contours, "criterion": len(CRITERIA)}
+        values: dict[str, Any] = {
+            name: np.full([size[d] for d in known.dims], np.nan) for name, known in described().items()
+        }
+        x, y = (float(place) for place in tip.position)
+        return cls(**values | {"x": x, "y": y, "angle": float(np.degrees(tip.angle)), "status": OK})
+
+
+def described() -> dict[str, Known]:
+    """How each value of a tip stands in the result."""
+    hints = get_type_hints(TipLoading, include_extras=True)
+    return {name: hint.__metadata__[0] for name, hint in hints.items()}
+
+
+def as_dataset(tips: Sequence[TipLoading], contours: int) -> xr.Dataset:
+    """The loading of some tips, with dimensions tip, contour and criterion."""
+    size = {"contour": contours, "criterion": len(CRITERIA)}
+    data = {}
+    for name, known in described().items():
+        shape = (len(tips), *(size[d] for d in known.dims))
+        values = np.empty(shape, dtype=object if name == "status" else float)
+        for k, tip in enumerate(tips):
+            values[k] = getattr(tip, name)
+        data[name] = (("tip", *known.dims), values, {"units": known.units, "long_name": known.long_name})
+    return xr.Dataset(data, coords={"criterion": list(CRITERIA)})
 
 
 def crack_tip_loading(
@@ -141,26 +183,15 @@ def crack_tip_loading(
     found = find_crack_tips(results.points, results.cells, results.region, tips)
     # those of an image say the same again
     own = [tip for tip in found if tip.nodes.min() < given]
-    sizes = {"tip": len(own), "contour": contours, "criterion": len(CRITERIA)}
-    values = {name: np.full([sizes[d] for d in dims], np.nan) for name, (dims, _, _) in _VARIABLES.items()}
     # J is of the strains of the model, K of small ones
     internal = (nodal_internal_forces(results), nodal_internal_forces(replace(results, method="linear")))
-    status = [_fill(values, k, results, forces, internal, tip) for k, tip in enumerate(own)]
-    data = {
-        name: (dims, values[name], {"units": units, "long_name": text})
-        for name, (dims, units, text) in _VARIABLES.items()
-    }
-    words = np.array(status, dtype=object)
-    return xr.Dataset(
-        {**data, "status": ("tip", words, {"units": "1", "long_name": "whether all is known, or why not"})},
-        coords={"criterion": list(CRITERIA)},
-        attrs={
-            "version": __version__,
-            "stresses": results.source,
-            "method": results.method,
-            "symmetry": ", ".join(symmetry),
-            "remark": _remark(results, len(own)),
-        },
+    known = [tip_loading(results, forces, internal, tip, contours) for tip in own]
+    return as_dataset(known, contours).assign_attrs(
+        version=__version__,
+        stresses=results.source,
+        method=results.method,
+        symmetry=", ".join(symmetry),
+        remark=_remark(results, len(own)),
     )
 
 
@@ -175,52 +206,64 @@ def _remark(results: ElementResults, tips: int) -> str:
     return half if tips else f"{NO_TIP} {half}".strip()
 
 
-def _fill(
-    values: dict[str, np.ndarray],
-    k: int,
+def tip_loading(
     results: ElementResults,
     forces: np.ndarray,
     internal: tuple[np.ndarray, np.ndarray],
     tip: CrackTip,
-) -> str:
-    """Put what is known of one tip into its places; what is not known, and why."""
-    values["x"][k], values["y"][k] = tip.position
-    values["angle"][k] = np.degrees(tip.angle)
+    contours: int,
+) -> TipLoading:
+    """What is known of one tip; what is not known, and why.
+
+    Parameters
+    ----------
+    results : ElementResults
+    forces : ndarray (n, 2)
+        Nodal configurational forces, N.
+    internal : (ndarray (n, 2), ndarray (n, 2))
+        Nodal internal forces, N, with the model's strains and with small ones.
+    tip : CrackTip
+    contours : int
+        Number of domains around it.
+    """
+    known = TipLoading.at(tip, contours)
     edge = float(np.linalg.norm(results.points[tip.upper[0, 1]] - tip.position))
     if tip.clear < FEWEST_EDGES * edge * (1 - 1e-9):
-        return TOO_COARSE.format(FEWEST_EDGES)
+        known.status = TOO_COARSE.format(FEWEST_EDGES)
+        return known
     smallest = max(SMALLEST * tip.clear, FEWEST_EDGES * edge)
-    radii = np.geomspace(smallest, tip.clear, values["radius"].shape[1])
+    known.radius = radii = np.geomspace(smallest, tip.clear, contours)
     elasticity = _elasticity_at(results, tip)
     faces = loaded_faces(results, tip, internal[0])
     J = np.array([j_vector(results, forces, tip, radius, elasticity, faces) for radius in radii])
-    values["radius"][k] = radii
-    values["J_x"][k], values["J_y"][k] = (J @ tip.axes).T
-    G, J_across = np.median(J, axis=0)
-    values["G"][k], values["J_across"][k] = G, J_across
-    values["spread"][k] = np.ptp(J[:, 0]) / abs(G) if G else np.nan
+    known.J_x, known.J_y = (J @ tip.axes).T
+    known.G, known.J_across = (float(j) for j in np.median(J, axis=0))
+    known.spread = float(np.ptp(J[:, 0]) / abs(known.G)) if known.G else np.nan
     noise = RESOLVED * _energy_within(results, tip, radii[-1]) / radii[-1]
     if elasticity is None:
-        return "; ".join([*_disagreement(J, None, np.nan, noise), NO_ELASTICITY])
+        known.status = "; ".join([*_disagreement(J, None, np.nan, noise), NO_ELASTICITY])
+        return known
     strained = faces if results.method == "linear" else loaded_faces(results, tip, internal[1])
     K = np.array([stress_intensities(results, tip, radius, elasticity, strained) for radius in radii])
     K_I, K_II = (float(x) for x in np.median(K, axis=0))
-    values["K_I"][k], values["K_II"][k] = K_I, K_II
+    known.K_I, known.K_II = K_I, K_II
     says = _disagreement(J, K, elasticity.E_prime, noise)
     if K_I < 0:
-        return "; ".join([*says, CLOSED])
+        known.status = "; ".join([*says, CLOSED])
+        return known
     kinks = {
         "MERR": partial(maximum_energy_release_rate, K_I, K_II),
-        "J": partial(energy_release_direction, np.array([G, J_across])),
+        "J": partial(energy_release_direction, np.array([known.G, known.J_across])),
         "MTS": partial(maximum_tangential_stress, K_I, K_II),
         "MSED": partial(minimum_strain_energy_density, K_I, K_II, elasticity),
     }
     for place, name in enumerate(CRITERIA):
         try:
-            values["kink"][k, place] = np.degrees(kinks[name]())
+            known.kink[place] = np.degrees(kinks[name]())
         except ValueError as error:  # a criterion without an answer here, as MSED in mode I for nu <= 0
             says.append(f"no direction by {name}: {error}")
-    return "; ".join(says) or OK
+    known.status = "; ".join(says) or OK
+    return known
 
 
 def _disagreement(J: np.ndarray, K: np.ndarray | None, E_prime: float, noise: float) -> list[str]:

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
-from slmm.initiation.local_model import Raster, rasterised
+from slmm.initiation.local_model import rasterised
+from slmm.initiation.uncracked import Raster
 from slmm.mechanics.stress import principal_stress
 
 #: largest turn of an outline along one element edge of the coarser mesh, rad
@@ -20,7 +22,9 @@ VOXELS_PER_ELEMENT = 4
 
 @dataclass(frozen=True)
 class BodyFitted:
-    """A plate on two body-fitted meshes, the finer one a uniform refinement of the coarser.
+    """A part on two body-fitted meshes, the finer one a uniform refinement of the coarser.
+
+    It is an `uncracked.UncrackedField` that has its stress, too.
 
     Attributes
     ----------
@@ -36,6 +40,15 @@ class BodyFitted:
     def displacement(self, points: np.ndarray) -> np.ndarray:
         """Displacements (k, 2) at points (k, 2), mm."""
         return self.fine.displacement(points)
+
+    def element_size(self, points: np.ndarray) -> np.ndarray:
+        """Size (k,) of the elements at points (k, 2), mm."""
+        return self.fine.element_size(points)
+
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {"local_model": "body-fitted", "nodes": len(self.fine.points)}
 
     @property
     def coarser(self) -> CoarseField:
@@ -65,6 +78,11 @@ class CoarseField:
     raster: Raster
     coarser: None = None
 
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {"local_model": "body-fitted, one mesh", "nodes": len(self.model.points)}
+
     def displacement(self, points: np.ndarray) -> np.ndarray:
         """Displacements (k, 2) at points (k, 2), mm."""
         return self.model.displacement(points)
@@ -76,7 +94,6 @@ class CoarseField:
 
 def solve_body_fitted(
     scene: Any,
-    size_max: float | None = None,
     angle_max: float = ANGLE_MAX,
     fine_at: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> BodyFitted:
@@ -86,8 +103,8 @@ def solve_body_fitted(
     ----------
     scene : Scene
         With ``plate``, ``part``, ``outlines``, ``material`` and ``loading``.
-    size_max, angle_max : float, optional
-        Largest element (mm) and largest turn (rad) of an outline along one, in the coarser mesh.
+    angle_max : float, optional
+        Largest turn of an outline along one element of the coarser mesh, rad.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
         Points of the boundary and of cracks where the coarser mesh's edges must not be longer than given, mm.
 
@@ -96,7 +113,7 @@ def solve_body_fitted(
     ImportError
         Without the extra ``fea``.
     """
-    mesh = plate_mesh(scene.part, None, size_max, angle_max, fine_at)
+    mesh = plate_mesh(scene.part, None, SizePolicy(turn=angle_max), fine_at)
     coarse, fine = (
         PlateModel(each, scene.material, scene.loading, scene.part.thickness)
         for each in (mesh, mesh.refined())

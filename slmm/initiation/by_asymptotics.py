@@ -140,7 +140,7 @@ def notch_model(task: Task, answer: Answer, notches: dict[int, VNotch]) -> BodyF
     except MesherError as error:
         answer.status[list(notches)] = Status.NO_MESH.of(error)
         return None
-    answer.note(local_model="body-fitted", nodes=len(model.fine.points))
+    answer.note(**model.described)
     return model
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -12,10 +11,11 @@ from slmm.criteria.coupled import STRESS
 from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
-from slmm.initiation.local_model import SMALLEST_SIDE, LocalField, solve_local_model
+from slmm.initiation.local_model import SMALLEST_SIDE, LocalModel, solve_local_model
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.placement import STOPPED
 from slmm.initiation.task import Answer, Task
+from slmm.initiation.uncracked import UncrackedField
 from slmm.mechanics.stress import principal
 
 #: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number
@@ -35,11 +35,11 @@ def by_cells(task: Task, auto_control: bool) -> Answer:
     # refuses a Poisson's ratio that the voxel solver would fail at
     load_meta_model(task.scene.material.plane_stress_equivalent[1], task.database)
     try:
-        local, provenance = local_field(task)
+        local = local_field(task)
     except MesherError as error:
         answer.status[rows] = Status.NO_MESH.of(error)
         return answer
-    answer.note(**provenance)
+    answer.note(**local.described)
     task.progress(0.6, f"{len(rows)} positions")
     cells_on(local, task, auto_control, answer, rows)
     return answer
@@ -55,26 +55,25 @@ def rows_with_cells(task: Task, answer: Answer) -> np.ndarray:
     return np.flatnonzero(task.smooth)
 
 
-def local_field(task: Task) -> tuple[LocalField, dict[str, Any]]:
-    """The local model that the task gives or asks for, and its description for the result."""
+def local_field(task: Task) -> UncrackedField:
+    """The part without a crack that the task gives or asks for."""
     if task.displacements is not None:
-        return task.displacements, {"local_model": "given displacements"}
+        return task.displacements
     if task.scene.analysis.local_model == "body-fitted":
         from slmm.initiation.body_fitted import solve_body_fitted  # imports the finite element libraries
 
         task.progress(0.0, "local model, body-fitted")
-        model = solve_body_fitted(task.scene)
-        return model, {"local_model": "body-fitted", "nodes": len(model.fine.points)}
+        return solve_body_fitted(task.scene)
     return voxel_model(task)
 
 
-def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
-    """Solve the voxel model; its description for the result."""
+def voxel_model(task: Task) -> LocalModel:
+    """Solve the voxel model, unless one as fine has been solved on the way."""
     voxels = voxel_count(task)
     if "voxels" in task.solved:
-        wanted, solved, described = task.solved["voxels"]
+        wanted, solved = task.solved["voxels"]
         if wanted >= voxels:
-            return solved, described
+            return solved
     task.progress(0.0, f"local model, {voxels} voxels")
     scene = task.scene
     void = task.settings.void_stiffness or scene.analysis.void_stiffness
@@ -85,14 +84,8 @@ def voxel_model(task: Task) -> tuple[LocalField, dict[str, Any]]:
         stiffer = scene.analysis.model_copy(update={"void_stiffness": min(STIFFER_VOID * void, 1.0)})
         rough = scene.model_copy(update={"analysis": stiffer})
         local = replace(local, coarser=solve_local_model(rough, max(voxels // 4, SMALLEST_SIDE**2)))
-    described = {
-        "local_model": "voxels",
-        "voxels": local.nx * local.ny,
-        "voxel_size": f"{local.hx:.6g} x {local.hy:.6g} mm",
-        "solver_iterations": local.iterations,
-    }
-    task.solved["voxels"] = (voxels, local, described)
-    return local, described
+    task.solved["voxels"] = (voxels, local)
+    return local
 
 
 def voxel_count(task: Task) -> int:
@@ -109,7 +102,7 @@ def voxel_count(task: Task) -> int:
     return int(np.clip(wanted, FEWEST_VOXELS, MOST_VOXELS))
 
 
-def cells_on(local: LocalField, task: Task, auto_control: bool, answer: Answer, rows: np.ndarray) -> None:
+def cells_on(local: UncrackedField, task: Task, auto_control: bool, answer: Answer, rows: np.ndarray) -> None:
     """Fill the answer at some positions with what cells on a local model say."""
     scene, where, settings = task.scene, task.where, task.settings
     _, nu = scene.material.plane_stress_equivalent
@@ -142,7 +135,7 @@ def cells_on(local: LocalField, task: Task, auto_control: bool, answer: Answer, 
 STRAIGHT_EDGE = 0.506
 
 
-def strength_on(local: LocalField, task: Task, answer: Answer, rows: np.ndarray) -> None:
+def strength_on(local: UncrackedField, task: Task, answer: Answer, rows: np.ndarray) -> None:
     """Fill the answer where the stress along any critical crack differs too little for the energy to matter.
 
     The load that starts a crack lies between those at which the surface, and the depth of the longest critical crack,

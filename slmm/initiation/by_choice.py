@@ -208,11 +208,11 @@ def _cells_or_strength(task: Task) -> Answer:
         answer.status[rows] = Status.NO_CELL.of(error)
         return answer
     try:
-        local, provenance = local_field(task)
+        local = local_field(task)
     except MesherError as error:
         answer.status[rows] = Status.NO_MESH.of(error)
         return answer
-    answer.note(**provenance)
+    answer.note(**local.described)
     if task.by_least_stress:
         strength_on(local, task, answer, rows)
     cells_on(local, task, True, answer, rows[answer.status[rows] != Status.OK])

@@ -90,7 +90,7 @@ def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndar
         longest = np.where(longer, task.paths.lengthened().longest, longest)
         longest = np.where(shorter, answer.crack_length * CLOSE_UP, longest)
         left = left[(longer | shorter)[left] & (longest[left] > 1e-3 * reached[left])]
-    answer.note(local_model="body-fitted", nodes=len(model.fine.points))
+    answer.note(**model.described)
 
 
 def sampled(found: DislocationCurves, reference: float) -> PathCurves:

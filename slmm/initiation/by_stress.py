@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from slmm.criteria.distances import SAMPLES
@@ -15,6 +13,7 @@ from slmm.initiation.by_cells import local_field, note_reasons, rows_with_cells
 from slmm.initiation.cells import cell_stress, place_cells, select_modes
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.task import Answer, Task
+from slmm.initiation.uncracked import UncrackedField, WithStress
 from slmm.mechanics.stress import principal
 from slmm.scene.scene import Scene
 
@@ -28,7 +27,7 @@ def by_stress(task: Task) -> Answer:
     material = task.scene.material
     depth = task.criterion.depth(material)
     depths = np.linspace(0.0, depth, SAMPLES) if depth else np.zeros(1)
-    stress, error, provenance = _path_stress(task, answer, depths)
+    stress, error = _path_stress(task, answer, depths)
     answer.status[~task.smooth] = Status.SINGULAR
     rows = np.flatnonzero(np.isfinite(stress[:, 0, 0]))
     too_deep, reached = depth > task.paths.ligament[rows], np.isfinite(stress[rows]).all(axis=(1, 2))
@@ -45,38 +44,50 @@ def by_stress(task: Task) -> Answer:
     nothing = np.full(measure.shape, np.nan)
     curves = PathCurves(np.tile(depths, (len(rows), 1)), nothing, measure, nothing, relative)
     answer.put(rows, task.criterion.judge(curves, material), Status.CELL_ENDS)
-    answer.note(**provenance)
     return answer
 
 
-def _path_stress(
-    task: Task, answer: Answer, depths: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
-    """Stress across, along, shear (n, 3, k) at depths (k,), an error (n, k), both MPa, and their origin."""
-    if task.scene.analysis.local_model == "body-fitted" and task.displacements is None:
-        return _body_fitted_stress(task, answer, depths)
-    return _cell_stress(task, answer, depths)
-
-
-def _body_fitted_stress(task, answer, depths):
-    from slmm.initiation.body_fitted import solve_body_fitted  # imports the finite element libraries
-
+def _path_stress(task: Task, answer: Answer, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stress across, along, shear (n, 3, k) at depths (k,), and an error (n, k), both MPa."""
     stress = np.full((task.n, 3, len(depths)), np.nan)
     error = np.full((task.n, len(depths)), np.nan)
+    body_fitted = task.displacements is None and task.scene.analysis.local_model == "body-fitted"
+    own = body_fitted or isinstance(task.displacements, WithStress)
+    rows = np.flatnonzero(task.smooth) if own else rows_with_cells(task, answer)
+    if len(rows):
+        if not own:
+            # first, because it refuses a Poisson's ratio that the voxel solver would fail at
+            load_meta_model(task.scene.material.plane_stress_equivalent[1], task.database)
+        try:
+            field = local_field(task)
+        except MesherError as failure:
+            answer.status[rows] = Status.NO_MESH.of(failure)
+            return stress, error
+        answer.note(**field.described)
+        if isinstance(field, WithStress):
+            _own_stress(field, task, answer, depths, rows, stress, error)
+        else:
+            _cell_stress(field, task, answer, depths, rows, stress, error)
+    return stress, error
+
+
+def _own_stress(
+    field: WithStress,
+    task: Task,
+    answer: Answer,
+    depths: np.ndarray,
+    rows: np.ndarray,
+    stress: np.ndarray,
+    error: np.ndarray,
+) -> None:
+    """Fill in, at some positions, what a field says itself."""
     paths = task.paths
-    rows = np.flatnonzero(task.smooth)
-    try:
-        model = solve_body_fitted(task.scene)
-    except MesherError as failure:
-        answer.status[rows] = Status.NO_MESH.of(failure)
-        return stress, error, {}
-    near = distance_to_tips(task.scene, paths.start[rows]) < AWAY_FROM_TIPS * model.fine.element_size(
-        paths.start[rows]
-    )
+    size = field.element_size(paths.start[rows])
+    near = distance_to_tips(task.scene, paths.start[rows]) < AWAY_FROM_TIPS * size
     answer.status[rows[near]] = Status.NEAR_SINGULAR
     rows = rows[~near]
     points = paths.start[rows, None] + depths[:, None] * paths.direction[rows, None]
-    sigma, found = model.stress(points.reshape(-1, 2))
+    sigma, found = field.stress(points.reshape(-1, 2))
     t = paths.direction[rows]
     xx, yy, xy = np.moveaxis(sigma.reshape(len(rows), len(depths), 3), -1, 0)
     tx, ty = t[:, :1], t[:, 1:]
@@ -89,7 +100,32 @@ def _body_fitted_stress(task, answer, depths):
         axis=1,
     )
     error[rows] = found.reshape(len(rows), len(depths))
-    return stress, error, {"local_model": "body-fitted", "nodes": len(model.fine.points)}
+
+
+def _cell_stress(
+    field: UncrackedField,
+    task: Task,
+    answer: Answer,
+    depths: np.ndarray,
+    rows: np.ndarray,
+    stress: np.ndarray,
+    error: np.ndarray,
+) -> None:
+    """Fill in, at some positions, what crack cells on a field say."""
+    scene, where, settings = task.scene, task.where, task.settings
+    meta = select_modes(
+        load_meta_model(scene.material.plane_stress_equivalent[1], task.database), settings.modes
+    )
+    for k, outline in enumerate(scene.outlines):
+        left = rows[where.hole[rows] == k]
+        for rule in dict.fromkeys((settings.fine, settings.wide)):
+            if not len(left):
+                break
+            placed = place_cells(scene, outline, where.s[left], field, meta, settings, rule)
+            note_reasons(answer, left, placed)
+            found = left[placed.rows]
+            stress[found], error[found] = cell_stress(placed, meta, scene, depths)
+            left = left[~np.isfinite(stress[left]).all(axis=(1, 2))]
 
 
 def distance_to_tips(scene: Scene, points: np.ndarray) -> np.ndarray:
@@ -99,31 +135,3 @@ def distance_to_tips(scene: Scene, points: np.ndarray) -> np.ndarray:
     singular = np.concatenate([*corners, *tips])
     steps = points[:, None] - singular
     return np.hypot(steps[..., 0], steps[..., 1]).min(axis=1, initial=np.inf)
-
-
-def _cell_stress(task, answer, depths):
-    stress = np.full((task.n, 3, len(depths)), np.nan)
-    error = np.full((task.n, len(depths)), np.nan)
-    rows = rows_with_cells(task, answer)
-    if not len(rows):
-        return stress, error, {}
-    scene, where, settings = task.scene, task.where, task.settings
-    _, nu = scene.material.plane_stress_equivalent
-    # first, because it refuses a Poisson's ratio that the voxel solver would fail at
-    meta = select_modes(load_meta_model(nu, task.database), settings.modes)
-    try:
-        local, provenance = local_field(task)
-    except MesherError as failure:
-        answer.status[rows] = Status.NO_MESH.of(failure)
-        return stress, error, {}
-    for k, outline in enumerate(scene.outlines):
-        left = rows[where.hole[rows] == k]
-        for rule in dict.fromkeys((settings.fine, settings.wide)):
-            if not len(left):
-                break
-            placed = place_cells(scene, outline, where.s[left], local, meta, settings, rule)
-            note_reasons(answer, left, placed)
-            found = left[placed.rows]
-            stress[found], error[found] = cell_stress(placed, meta, scene, depths)
-            left = left[~np.isfinite(stress[left]).all(axis=(1, 2))]
-    return stress, error, provenance

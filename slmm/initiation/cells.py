@@ -11,11 +11,11 @@ from slmm.criteria.path_curves import CURVE_POINTS, PathCurves
 from slmm.initiation import control
 from slmm.initiation.cell_errors import energy_error, faded, reference_stress, relative_change, stress_error
 from slmm.initiation.contact import tip_opening, until_closed
-from slmm.initiation.local_model import LocalField
 from slmm.initiation.meta_model import MetaModel, polynomial_matrix
 from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points, fit_cells, grow_cells
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 from slmm.initiation.support import edge_support, supported
+from slmm.initiation.uncracked import UncrackedField
 from slmm.mechanics.stress import principal
 from slmm.part.outline import Outline
 from slmm.scene.scene import Scene
@@ -55,7 +55,7 @@ def place_cells(
     scene: Scene,
     outline: Outline,
     s: np.ndarray,
-    local: LocalField,
+    local: UncrackedField,
     meta: MetaModel,
     settings: Settings,
     rule: Constraints,
@@ -70,7 +70,7 @@ def place_cells(
         The notch.
     s : ndarray (n,)
         Arc lengths of the positions, mm.
-    local : LocalField
+    local : UncrackedField
         Displacements around the notch.
     meta : MetaModel
         Only the modes that are to be fitted.

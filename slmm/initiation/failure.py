@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,12 +24,10 @@ from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Task
+from slmm.initiation.uncracked import UncrackedField
 from slmm.running.progress import Progress, silent
 from slmm.scene.plausible import UnusualValueWarning, unusual_values
 from slmm.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from slmm.initiation.given_field import GivenField
 
 #: times that positions are added where the index is largest
 ROUNDS = 4
@@ -77,9 +75,10 @@ def failure_indices(
     tolerance : float, optional
         Relative error of the failure index that method "auto" aims at; of indices below a quarter of the largest it
         is that of the quarter. By default what the scene asks for.
-    displacements : path, DisplacementField or (points, cells, u), optional
+    displacements : path, DisplacementField, (points, cells, u) or UncrackedField, optional
         Displacements of the uncracked part, mm, from any finite element model of the whole plate in the scene's
-        coordinates and material, in place of the local model; see `slmm.initiation.given_field`. Only the methods
+        coordinates and material, in place of the local model; see `slmm.initiation.given_field`. A model that has been
+        solved, as by `slmm.initiation.body_fitted.solve_body_fitted`, is taken as it is. Only the methods
         `ON_DISPLACEMENTS` take them. Load factors are then factors on the load of that model; of the scene's load
         only the kind counts, which tells how the plate's edges are held.
     progress : callable
@@ -173,7 +172,7 @@ def failure_indices(
             f"{name}: {count} positions in {seconds:.2g} s" for name, (count, seconds) in answer.cost.items()
         )
     if given is not None:
-        facts["displacements"] = given.source
+        facts["displacements"] = given.described.get("displacements", given.described["local_model"])
     progress(1.0, "done")
     return _dataset(task, answer, bound, curves, facts)
 
@@ -231,7 +230,9 @@ def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> 
     return task, answer
 
 
-def _given(displacements: Any, method: str, scene: Scene, where: Positions, field: str | None) -> GivenField:
+def _given(
+    displacements: Any, method: str, scene: Scene, where: Positions, field: str | None
+) -> UncrackedField:
     if method not in ON_DISPLACEMENTS:
         raise ValueError(
             f"method = {method!r}: takes no displacements; those that do are {', '.join(ON_DISPLACEMENTS)}"

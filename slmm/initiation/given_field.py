@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from slmm.initiation.local_model import Raster, rasterised
+from slmm.initiation.local_model import rasterised
 from slmm.initiation.positions import Positions
+from slmm.initiation.uncracked import Raster, UncrackedField
 from slmm.results.field import DisplacementField
 from slmm.results.plane_elements import PLANE_ELEMENTS
 from slmm.results.results import read_displacements
@@ -36,7 +37,7 @@ OTHER_UNITS = {"metres": 1e3, "centimetres": 10.0, "inches": 25.4, "micrometres"
 
 @dataclass(frozen=True)
 class GivenField:
-    """Displacements of the uncracked part from any finite element model: a `local_model.LocalField`.
+    """Displacements of the uncracked part from any finite element model: an `uncracked.UncrackedField`.
 
     Attributes
     ----------
@@ -51,6 +52,11 @@ class GivenField:
     raster: Raster
     source: str
     coarser: None = None
+
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {"local_model": "given displacements", "displacements": self.source}
 
     def displacement(self, points: np.ndarray) -> np.ndarray:
         """Displacements (k, 2) at points (k, 2), mm; beside the model those of its nearest element go on."""
@@ -91,14 +97,16 @@ class GivenField:
         return shapely.STRtree(np.concatenate([shapely.polygons(corners) for corners in self._corners]))
 
 
-def given_field(displacements: Any, scene: Scene, where: Positions, field: str | None = None) -> GivenField:
-    """The user's displacements as a local field, once they have proved to be of the scene's plate.
+def given_field(
+    displacements: Any, scene: Scene, where: Positions, field: str | None = None
+) -> UncrackedField:
+    """The user's displacements as a field, once they have proved to be of the scene's plate.
 
     Parameters
     ----------
-    displacements : path, DisplacementField or (points, cells, u)
-        A file as `slmm.results.results.read_displacements` takes it, of which the last step counts; a field; or the
-        three arguments of `slmm.results.field.DisplacementField`.
+    displacements : path, DisplacementField, (points, cells, u) or UncrackedField
+        A field that has been solved is taken as it is. Else a file as `slmm.results.results.read_displacements` takes
+        it, of which the last step counts; a field; or the three arguments of `slmm.results.field.DisplacementField`.
     scene : Scene
         Plate and notches.
     where : Positions
@@ -133,6 +141,10 @@ def given_field(displacements: Any, scene: Scene, where: Positions, field: str |
     >>> given.resolution(np.array([[12.0, 10.0]])).round(2)  # elements of eight nodes, up to 0.47 mm long
     array([0.12])
     """
+    if isinstance(displacements, UncrackedField):
+        if field is not None:
+            raise ValueError(f"field = {field!r}: belongs to displacements from a file")
+        return displacements
     model, source = displacement_field(displacements, field)
     given = GivenField(model, rasterised(scene), source)
     body = scene.part.body

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import shapely
 from numba import njit
 from numpy.typing import NDArray
 
+from slmm.initiation.uncracked import Raster
 from slmm.mechanics.material import Material
 from slmm.part.coverage import area_fraction
 from slmm.part.edges import material_on_edges, share_of_pieces
@@ -55,7 +56,7 @@ class _Scene(Protocol):
 
 @dataclass(frozen=True)
 class LocalModel:
-    """Displacements of the plate on a grid of voxels.
+    """Displacements of the plate on a grid of voxels: an `uncracked.UncrackedField`.
 
     Attributes
     ----------
@@ -98,43 +99,15 @@ class LocalModel:
         """Where the material is."""
         return Raster(self.density, self.hx, self.hy)
 
-
-class Raster(NamedTuple):
-    """The material's share of rectangular pieces of the plate.
-
-    Attributes
-    ----------
-    density : (ny, nx) array
-        0 in a hole to 1; row 0 lies at y = 0.
-    hx, hy : float
-        Sides of a piece, mm.
-    """
-
-    density: NDArray[np.float64]
-    hx: float
-    hy: float
-
-
-class LocalField(Protocol):
-    """What crack cells need of the uncracked part, from voxels or any other model of it."""
-
     @property
-    def raster(self) -> Raster:
-        """Where the material is."""
-        ...
-
-    @property
-    def coarser(self) -> LocalField | None:
-        """The same from elements twice as large, for estimates of the error; None where there is none."""
-        ...
-
-    def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacements (n, 2) at points (n, 2), mm."""
-        ...
-
-    def resolution(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Size (n,) of the voxels that would resolve the displacements at points (n, 2) as well, mm."""
-        ...
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {
+            "local_model": "voxels",
+            "voxels": self.nx * self.ny,
+            "voxel_size": f"{self.hx:.6g} x {self.hy:.6g} mm",
+            "solver_iterations": self.iterations,
+        }
 
 
 #: pieces of a plate that tell material from notches where the local model has no voxels

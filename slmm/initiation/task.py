@@ -16,6 +16,7 @@ from slmm.criteria.status import Status
 from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
+from slmm.initiation.uncracked import UncrackedField
 from slmm.running.progress import Progress
 from slmm.scene.scene import Scene
 
@@ -37,7 +38,7 @@ class Task:
         Of the crack cells.
     database : Path
         Of the crack cells.
-    displacements : object with ``displacement(points)``, optional
+    displacements : UncrackedField, optional
         The user's own model of the uncracked part, in place of ours.
     progress : callable
     solved : dict
@@ -51,7 +52,7 @@ class Task:
     tolerance: float
     settings: Settings
     database: Path
-    displacements: Any
+    displacements: UncrackedField | None
     progress: Progress
     solved: dict[str, Any] = field(default_factory=dict)
 

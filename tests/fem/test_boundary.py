@@ -15,7 +15,7 @@ from slmm.fem.boundary import (
     path_nodes,
     spaced,
 )
-from slmm.fem.element_size import ElementSize, along_path, follow_outline
+from slmm.fem.element_size import ElementSize, SizePolicy, along_path, follow_outline
 from slmm.part import shapes
 from slmm.part.outline import Outline
 from slmm.part.part import Part
@@ -45,7 +45,7 @@ def boundary(outlines, mouths=(), largest=5.0, angle=0.12):
     rings = boundary_pieces(body, outlines, np.reshape(mouths, (-1, 2)))
     size = ElementSize(largest)
     for outline in outlines:
-        follow_outline(size, outline, angle, body)
+        follow_outline(size, outline, SizePolicy(turn=angle), body)
     parameters = [spaced(piece, outlines, size) for ring in rings for piece in ring]
     return rings, *boundary_segments(rings, parameters, outlines)[:2]
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from slmm.fem.boundary_stiffness import BoundaryOfModel, BoundaryStiffness
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.scene import gallery
@@ -28,7 +29,7 @@ def plate(request):
         scene = gallery.edge_crack(load={"displacement": 0.1})
     else:
         scene = gallery.elliptic_hole(load=LOADS[name])
-    mesh = plate_mesh(scene.part, size_max=12.0)
+    mesh = plate_mesh(scene.part, policy=SizePolicy(largest=12.0))
     model = PlateModel(mesh, scene.material, scene.loading)
     return model, kind(model)
 
@@ -130,7 +131,7 @@ def test_many_loads_at_once_are_each_as_alone(plate):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_rigid_displacement_of_all_edges_needs_no_force(kind):
     scene = gallery.circular_hole()
-    model = PlateModel(plate_mesh(scene.part, size_max=12.0), scene.material, scene.loading)
+    model = PlateModel(plate_mesh(scene.part, policy=SizePolicy(largest=12.0)), scene.material, scene.loading)
     boundary = kind(model)
     x, y = model.points[boundary.nodes].T
     motion = np.column_stack([0.3 - 0.01 * y, -0.2 + 0.01 * x])[..., None]

@@ -10,8 +10,8 @@ from hypothesis.extra.numpy import arrays
 from slmm.fem.element_size import (
     ACROSS_GAP,
     GROWTH,
-    SINGULAR_SHARE,
     ElementSize,
+    SizePolicy,
     all_sizes,
     along_path,
 )
@@ -78,7 +78,7 @@ def test_no_edge_turns_more_than_asked_for(name, angle_max):
             Outline.through(shapes.ellipse((100, 70), (20.0, 3.0))),
         ],
     }[name]
-    mesh = plate_mesh(Part.plate(width, height, outlines), angle_max=angle_max)
+    mesh = plate_mesh(Part.plate(width, height, outlines), policy=SizePolicy(turn=angle_max))
     for k, outline in enumerate(mesh.outlines):
         turn = turns(outline, mesh.edge_s[mesh.edge_outline == k])
         # an edge grows by 17 % on its own length, and its node may miss a jump of the curvature
@@ -91,7 +91,7 @@ def test_a_sharp_root_on_a_long_outline_has_its_share_of_the_elements():
     scene = gallery.v_notch(radius=0.05, opening=30.0)
     (outline,) = scene.outlines
     assert outline.length / 256 > 0.05 * np.radians(150)
-    mesh = plate_mesh(Part.plate(40.0, 120.0, scene.outlines), angle_max=0.12)
+    mesh = plate_mesh(Part.plate(40.0, 120.0, scene.outlines), policy=SizePolicy(turn=0.12))
     middle = mesh.edge_midpoints()
     centre = np.array([10.0 - 0.05, 60.0])
     on_root = np.abs(np.linalg.norm(middle - centre, axis=1) - 0.05) < 1e-4
@@ -114,7 +114,7 @@ def test_elements_at_a_crack_tip_and_its_kinks_are_a_thousandth_of_its_length():
     mesh = plate_mesh(Part.plate(40.0, 120.0, cracks=[crack]))
     line = mesh.vertices[mesh.cracks[0]]
     step = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    wanted = SINGULAR_SHARE * 11.0
+    wanted = SizePolicy().at_tips * 11.0
     kink = int(np.argmin(np.linalg.norm(line - crack[1], axis=1)))
     assert np.allclose(line[kink], crack[1]) and np.allclose(line[-1], crack[2])
     for edge in (step[-1], step[kink - 1], step[kink]):
@@ -127,7 +127,7 @@ def test_only_corners_of_the_material_are_singular():
     hole = gallery.square_hole().outlines
     mesh = plate_mesh(Part.plate(100.0, 100.0, hole))
     at_corner = np.linalg.norm(mesh.edge_midpoints() - [35.0, 35.0], axis=1) < 0.1
-    assert edge_lengths(mesh)[at_corner].min() < 1.3 * SINGULAR_SHARE * 30.0
+    assert edge_lengths(mesh)[at_corner].min() < 1.3 * SizePolicy().at_tips * 30.0
 
     peg = [[20, 20], [80, 20], [80, 80], [55, 80], [55, 60], [45, 60], [45, 80], [20, 80]]
     outline = Outline.of_pieces(shapes.polygon(np.array(peg, dtype=float)))
@@ -139,9 +139,9 @@ def test_only_corners_of_the_material_are_singular():
 
     notch = [[-10, 45], [10, 45], [10, 55], [-10, 55]]
     outside = Outline.of_pieces(shapes.polygon(np.array(notch, dtype=float)))
-    size = all_sizes(8.0, Part.plate(100.0, 100.0, [outside]), [], None, 0.12)
+    size = all_sizes(SizePolicy(8.0), Part.plate(100.0, 100.0, [outside]), [], None)
     inner, outer = size(np.array([[10.0, 45.0], [-10.0, 45.0]]))
-    assert inner == pytest.approx(SINGULAR_SHARE * 10.0)
+    assert inner == pytest.approx(SizePolicy().at_tips * 10.0)
     # as small as the gap between the notch's own sides asks for at most
     assert outer > 100 * inner
 
@@ -176,8 +176,21 @@ def test_a_plate_in_another_size_has_the_same_mesh(factor):
         outline = Outline.through(shapes.ellipse((50 * k, 50 * k), (20 * k, 4 * k), 30.0))
         crack = np.array([[0.0, 20.0], [15.0, 25.0]]) * k
         part = Part.plate(100 * k, 100 * k, [outline], [crack])
-        size = all_sizes(8.0 * k, part, part.crack_lines, None, 0.12)
+        size = all_sizes(SizePolicy(8.0 * k), part, part.crack_lines, None)
         points = np.random.default_rng(0).uniform(0, 100, (200, 2))
         return size(points * k) / k
 
     assert sizes(factor) == pytest.approx(sizes(1.0), rel=1e-5)
+
+
+def test_the_policy_decides_how_fine_tips_and_kinks_are():
+    part = Part.plate(100.0, 100.0, cracks=[[(0, 50), (20, 50), (35, 60)]])
+    kink, tip = np.array([[20.0, 50.0]]), np.array([[35.0, 60.0]])
+    length = 20.0 + np.hypot(15.0, 10.0)
+    for policy in (SizePolicy(), SizePolicy(at_tips=4e-3, at_kinks=0.05)):
+        size = all_sizes(policy, part, part.crack_lines, None)
+        assert size(tip) == pytest.approx(policy.at_tips * length)
+        assert size(kink) == pytest.approx(policy.at_kinks * length)
+    # a point on a straight stretch, or where another crack ends at a right angle, is no kink
+    straight = Part.plate(100.0, 100.0, cracks=[[(0, 50), (20, 50), (40, 50)], [(20, 50), (20, 70)]])
+    assert all_sizes(SizePolicy(), straight, straight.crack_lines, None)(kink) > 1.0

@@ -5,6 +5,7 @@ import pytest
 
 pytest.importorskip("netgen")
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.mechanics.material import Material
@@ -17,7 +18,9 @@ PULL = (Condition(*BOTTOM, traction=(0.0, -1.0)), Condition(*TOP, traction=(0.0,
 
 
 def solved(loading, *cracks):
-    return PlateModel(plate_mesh(Part.plate(40.0, 20.0, cracks=cracks), size_max=4.0), PMMA, loading)
+    return PlateModel(
+        plate_mesh(Part.plate(40.0, 20.0, cracks=cracks), policy=SizePolicy(largest=4.0)), PMMA, loading
+    )
 
 
 @pytest.mark.parametrize(

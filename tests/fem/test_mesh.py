@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from slmm.fem.element_size import GROWTH
+from slmm.fem.element_size import GROWTH, SizePolicy
 from slmm.fem.mesh import PlateMesh, plate_mesh
 from slmm.fem.triangulation import MesherError, triangulated
 from slmm.part.outline import Outline
@@ -118,7 +118,7 @@ def test_a_crack_inside_the_plate_has_all_its_points_in_the_mesh_and_both_tips_f
 @pytest.mark.parametrize("angle_max", [0.12, 0.18])
 def test_elements_around_a_hole_grow_as_they_should_whatever_its_radius(radius, angle_max):
     """Left to itself the mesher lets them grow up to ten times too fast, for some of these radii."""
-    mesh = plate_mesh(Part.plate(100.0, 100.0, [hole((30, 60), radius)]), angle_max=angle_max)
+    mesh = plate_mesh(Part.plate(100.0, 100.0, [hole((30, 60), radius)]), policy=SizePolicy(turn=angle_max))
     corner = mesh.vertices[mesh.triangles]
     longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=-1).max(axis=1)
     away = np.linalg.norm(corner.mean(axis=1) - (30, 60), axis=1) - radius

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel, SlitModel, factorised, last_block, nested_dissection
 from slmm.scene import gallery
@@ -116,7 +117,7 @@ def test_what_a_path_releases_is_the_work_that_a_crack_of_its_length_adds():
     depth = graded(0.5, 10.0)
     path = np.array([0.0, 60.0]) + depth[:, None] * [1, 0]
     plain = gallery.edge_crack(cracks=[])
-    slits = [solved(plain, level, path, size_max=6.0) for level in (0, 1)]
+    slits = [solved(plain, level, path, policy=SizePolicy(6.0)) for level in (0, 1)]
     released = extrapolated([slit.released_energy() for slit in slits])
     whole = work_of_load(solved(plain))
     for k in (8, len(depth) - 1):

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fem.recovery import recovered_stress
@@ -111,7 +112,7 @@ def test_where_few_vertices_are_surrounded_the_others_take_their_polynomials():
 def test_stress_beside_kirschs_hole_converges_with_the_third_order():
     scene = gallery.circular_hole(1.0, 20.0, load={"stress": 1.0})
     (outline,) = scene.outlines
-    mesh = plate_mesh(Part.plate(20.0, 20.0, [outline]), angle_max=0.4)
+    mesh = plate_mesh(Part.plate(20.0, 20.0, [outline]), policy=SizePolicy(turn=0.4))
     angle = np.linspace(0, 2 * np.pi, 360, endpoint=False)
     surface, normal = outline.points(angle), outline.normals(angle)
     found = []
@@ -130,7 +131,9 @@ def test_kirschs_stress_on_the_hole():
     scene = gallery.circular_hole(1.0, 100.0, load={"stress": 1.0})
     (outline,) = scene.outlines
     model = PlateModel(
-        plate_mesh(Part.plate(100.0, 100.0, [outline]), angle_max=0.06), scene.material, scene.loading
+        plate_mesh(Part.plate(100.0, 100.0, [outline]), policy=SizePolicy(turn=0.06)),
+        scene.material,
+        scene.loading,
     )
     angle = np.linspace(0, 2 * np.pi, 180, endpoint=False)
     xx, yy, xy = model.stress(outline.points(angle)).T

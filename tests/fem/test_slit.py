@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay, cKDTree
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.slit import open_slits, split_vertices
 from slmm.part import shapes
@@ -173,7 +174,7 @@ def test_a_path_from_a_sharp_corner():
 
 
 def test_without_slits_the_mesh_is_what_it_was():
-    mesh = plate_mesh(Part.plate(10.0, 8.0), size_max=2.0)
+    mesh = plate_mesh(Part.plate(10.0, 8.0), policy=SizePolicy(largest=2.0))
     slit = open_slits(mesh)
     assert np.array_equal(slit.mesh.p.T[: len(mesh.vertices)], mesh.vertices)
     assert np.array_equal(slit.mesh.t.T, np.sort(mesh.triangles, axis=1))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel
 from slmm.initiation.body_fitted import notch_stress, solve_body_fitted
@@ -90,7 +91,7 @@ def test_released_energy_converges_linearly_and_extrapolated_faster():
     part = scene(100.0, 100.0, [hole()], strain=(0.0, 0.1, 0.0))
     a = np.geomspace(1.0, 8.0, 11)
     path = np.array([70.0, 50.0]) + path_depths(a)[:, None] * [1, 0]
-    mesh = plate_mesh(part.part, path, size_max=20.0, angle_max=0.4)
+    mesh = plate_mesh(part.part, path, policy=SizePolicy(largest=20.0, turn=0.4))
     W = []
     for level in range(4):
         W.append(SlitModel(mesh, part.material, part.loading).released_energy()[:: 2**level][-len(a) :])
