@@ -12,6 +12,7 @@ from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.initiation.local_model import rasterised
 from slmm.initiation.uncracked import Raster
+from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress
 
 #: largest turn of an outline along one element edge of the coarser mesh, rad
@@ -64,10 +65,9 @@ class BodyFitted:
 
         NaN outside the material.
         """
-        coarse, fine = self.coarse.stress(points), self.fine.stress(points)
         # patch recovery from quadratic displacements: the error is cubic in the element size
-        change = (fine - coarse) / 7
-        return fine + change, np.abs(change).max(axis=1)
+        sigma, change = extrapolated(self.coarse.stress(points), self.fine.stress(points), order=3)
+        return sigma, np.abs(change).max(axis=1)
 
 
 @dataclass(frozen=True)

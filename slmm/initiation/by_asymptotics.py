@@ -13,17 +13,13 @@ from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
 from slmm.fem.plate_model import PlateModel
 from slmm.fem.triangulation import MesherError
-from slmm.initiation.asymptotics import (
-    GeneralisedIntensity,
-    blunted_curves,
-    generalised_intensity,
-    intensity_from_root_stress,
-    load_v_notches,
-    sharp_curves,
-)
+from slmm.initiation.asymptotics import GeneralisedIntensity, generalised_intensity, sharp_curves
+from slmm.initiation.blunted import blunted_curves, intensity_from_root_stress
 from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
 from slmm.initiation.task import Answer, Task
+from slmm.initiation.v_notch_table import load_v_notches
 from slmm.initiation.v_notches import VNotch, notch_at
+from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress
 from slmm.mechanics.williams import exponents, singular_exponent
 from slmm.part.checks import TOLERANCE
@@ -156,9 +152,10 @@ def intensities(model: BodyFitted, notch: VNotch, task: Task) -> Intensities:
 
     coarse, fine = fitted(model.coarse), fitted(model.fine)
     # the displacements' error is cubic in the element size, but for a small part that comes from the tip and is linear
-    change = np.array([fine.k_1 - coarse.k_1, fine.k_2 - coarse.k_2])
-    k_1, k_2 = np.array([fine.k_1, fine.k_2]) + change / 7
-    error_1, error_2 = np.abs(change) / 4 + [fine.error_1, fine.error_2]
+    (k_1, k_2), change = extrapolated(
+        np.array([coarse.k_1, coarse.k_2]), np.array([fine.k_1, fine.k_2]), order=3
+    )
+    error_1, error_2 = 7 / 4 * np.abs(change) + [fine.error_1, fine.error_2]
     return Intensities(float(k_1), float(k_2), float(error_1), float(error_2))
 
 

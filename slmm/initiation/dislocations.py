@@ -17,28 +17,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import shapely
-from numpy.polynomial import legendre
 
-from slmm.fem.boundary_stiffness import BoundaryOfModel, BoundaryStiffness
 from slmm.fem.plate_model import PlateModel
 from slmm.initiation.body_fitted import BodyFitted
-from slmm.initiation.contact import tip_opening, until_closed
-from slmm.initiation.dipole import dipoles_on_boundary, mirror_stress
-from slmm.initiation.face_compliance import LONGEST, face_compliance, legendre_coefficients
-from slmm.initiation.meta_model import polynomial_matrix
-from slmm.mechanics.stress import kolosov, shear_modulus
+from slmm.initiation.dislocation_energy import Bend, one_degree_less, released
+from slmm.initiation.face_compliance import LONGEST, face_compliance
+from slmm.initiation.surroundings import DIPOLES, Boundary, Trial, answers_of_surroundings
+from slmm.mechanics.richardson import extrapolated
 
-#: dipoles that sample D, Chebyshev points over the longest crack but for its first part: D is smooth, and a mesh
-#: resolves it best where the depth is not small
-DIPOLES, FIRST_DEPTH = 8, 0.07
-#: cracks longer than this many radii of the notch take more, the first within a part of the radius
-LONG, MORE_DIPOLES, FIRST_OF_RADIUS, LEAST_FIRST_DEPTH = 2.0, 16, 0.15, 0.01
-#: depths of the path stress: enough for a crack that is many times as long as the notch's radius
-STRESS_POINTS = 40
 #: from so many positions on a model is condensed to its boundary; measured: the costs are then equal
 MANY = 16
 #: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
@@ -87,107 +77,6 @@ class DislocationCurves:
     sigma: np.ndarray
     sigma_change: np.ndarray
     radius: float
-
-
-class Boundary:
-    """A model's boundary: its stiffness, and Gauss points on its curved edges for what acts there.
-
-    Parameters
-    ----------
-    model : PlateModel
-        Of the uncracked part.
-    condensed : bool
-        To the boundary: dear, and cheap for each position then.
-    """
-
-    def __init__(self, model: PlateModel, condensed: bool = True):
-        """Condense the model and gather its outer edges, the body on their left."""
-        self.stiffness = BoundaryStiffness(model) if condensed else BoundaryOfModel(model)
-        nodes = self.stiffness.nodes
-        self.at = np.ascontiguousarray(model.points[nodes])
-        self.supports = model.load.supports[nodes]
-        self.mu, self.kappa = shear_modulus(model.E, model.nu), kolosov(model.nu)
-        mesh = model.mesh
-        facets = mesh.boundary_facets()
-        ends = mesh.facets[:, facets].copy()
-        inner = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
-        a, b = mesh.p[:, ends[0]], mesh.p[:, ends[1]]
-        turned = (b - a)[0] * (inner - a)[1] < (b - a)[1] * (inner - a)[0]
-        ends[:, turned] = ends[::-1, turned]
-        edges = np.stack([ends[0], mesh.nvertices + facets, ends[1]], axis=1)
-        x, w = legendre.leggauss(4)
-        self.shape = np.stack([x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2], axis=1)
-        slope = np.stack([x - 0.5, -2 * x, x + 0.5], axis=1)
-        along = np.einsum("qn,eni->eqi", slope, model.points[edges])
-        self.points = np.einsum("qn,eni->eqi", self.shape, model.points[edges]).reshape(-1, 2)
-        self.normals = (np.stack([along[..., 1], -along[..., 0]], axis=-1) * w[:, None]).reshape(-1, 2)
-        self.edges = np.searchsorted(nodes, edges)
-
-    def nodal_forces(self, traction: np.ndarray) -> np.ndarray:
-        """Consistent forces (b, 2, k) on the boundary nodes from forces (q, 2, k) at the Gauss points."""
-        k = traction.shape[-1]
-        per_edge = np.einsum("qn,eqik->enik", self.shape, traction.reshape(len(self.edges), -1, 2, k))
-        force = np.zeros((len(self.at), 2, k))
-        np.add.at(force, self.edges, per_edge)
-        return force
-
-
-class Trial(NamedTuple):
-    """A trial path and the unbounded body it is compared with."""
-
-    origin: np.ndarray  # mouth (2,), mm
-    along: np.ndarray  # unit vector into the material
-    longest: float  # crack, mm
-    radius: float  # of the body's hole, mm; inf for a straight edge
-    curvature: float  # of the notch, 1/mm, negative at a hole
-
-    @property
-    def depths(self) -> np.ndarray:
-        """Where dipoles sample the answer of the surroundings, mm."""
-        n, first, in_radii = DIPOLES, FIRST_DEPTH, self.longest * abs(self.curvature)
-        if in_radii > LONG:
-            n, first = MORE_DIPOLES, np.clip(FIRST_OF_RADIUS / in_radii, LEAST_FIRST_DEPTH, FIRST_DEPTH)
-        chebyshev = 0.5 * (1 - np.cos(np.pi * (np.arange(n) + 0.5) / n))
-        return self.longest * (first + (1 - first) * chebyshev)
-
-    @property
-    def eta(self) -> np.ndarray:
-        """Depths of the path stress, mm."""
-        return self.longest * (1 - np.cos(np.pi * np.arange(STRESS_POINTS) / (STRESS_POINTS - 1))) / 2
-
-
-def answers_of_surroundings(boundary: Boundary, trials: Sequence[Trial]) -> list[np.ndarray]:
-    """Stress on each path by what answers dipoles at its k depths: (2 k, 2 k), opening before sliding, MPa/mm^2.
-
-    By reciprocity it is the work of one dipole's tractions and displacements on the boundary with the other's
-    answer: the answer's stress inside the body is not needed.
-    """
-    force, moved = [], []
-    for trial in trials:
-        traction, u = dipoles_on_boundary(
-            boundary.points,
-            boundary.normals,
-            boundary.at,
-            trial.origin,
-            trial.along,
-            trial.depths,
-            trial.radius,
-            boundary.mu,
-            boundary.kappa,
-        )
-        force.append(boundary.nodal_forces(traction))
-        moved.append(u)
-    all_moved = np.concatenate(moved, axis=-1)
-    # supports that only fix the rigid motion carry no reaction
-    value = np.where(boundary.supports[..., None], 0.0, -all_moved)
-    u, reaction = boundary.stiffness.response(-np.concatenate(force, axis=-1), value)
-    result = []
-    ends = np.cumsum([f.shape[-1] for f in force])
-    for end, f, v in zip(ends, force, moved, strict=True):
-        mine = slice(end - f.shape[-1], end)
-        work = np.einsum("bik,bil->kl", f, u[..., mine]) - np.einsum("bik,bil->kl", v, reaction[..., mine])
-        result.append(-(work + work.T) / 2)
-    return result
 
 
 class DislocationModel:
@@ -265,16 +154,17 @@ class DislocationModel:
         result = []
         for trial, (before, stress_before), (G, stress) in zip(trials, coarse, fine, strict=True):
             # the energy's error follows that of the stress, which is cubic in the element size
-            change, stress_change = (G[0] - before[0]) / 7, (stress - stress_before) / 7
+            energy, change = extrapolated(before[0], G[0], order=3)
+            sigma, stress_change = extrapolated(stress_before, stress, order=3)
             a = _lengths(trial)
             unseen = BEND_UNSEEN * abs(trial.curvature) * a if np.isinf(trial.radius) else 0.0
             result.append(
                 DislocationCurves(
                     a,
-                    np.maximum(G[0] + change, 0.0),
+                    np.maximum(energy, 0.0),
                     np.abs(change) + np.abs(G[1:] - G[0]).max(axis=0) + unseen * np.abs(G[0]),
                     trial.eta,
-                    stress + stress_change,
+                    sigma,
                     stress_change,
                     trial.radius,
                 )
@@ -297,8 +187,8 @@ class DislocationModel:
             C = face_compliance()(a, trial.radius) / model.E
             across = np.array([-trial.along[1], trial.along[0]])
             traction = np.stack([_component(sigma, across, across), _component(sigma, trial.along, across)])
-            bend = _Bend(trial.curvature if np.isinf(trial.radius) else 0.0, boundary)
-            samples = [(D, trial.depths), (_one_degree_less(D), trial.depths)]
+            bend = Bend(trial.curvature if np.isinf(trial.radius) else 0.0, boundary.mu, boundary.kappa)
+            samples = [(D, trial.depths), (one_degree_less(D), trial.depths)]
             if len(trial.depths) > DIPOLES:
                 deeper = np.tile(np.arange(len(trial.depths)) > 0, 2)
                 samples.append((D[np.ix_(deeper, deeper)], trial.depths[1:]))
@@ -314,90 +204,8 @@ def _ends(body: shapely.Polygon, width: float, height: float) -> np.ndarray:
     return vertices[on_side.any(axis=1) & ~on_side.all(axis=1)]
 
 
-def _one_degree_less(D: np.ndarray) -> np.ndarray:
-    """Samples (2 m, 2 m) at Chebyshev points without the highest degree of the polynomial through them."""
-    m = len(D) // 2
-    highest = np.cos((m - 1) * np.pi * (np.arange(m) + 0.5) / m)
-    keep = np.eye(m) - np.outer(highest, highest) / (highest @ highest)
-    keep = np.kron(np.eye(2), keep)
-    return keep @ D @ keep.T
-
-
 def _lengths(trial: Trial) -> np.ndarray:
     return np.geomspace(SHORTEST * trial.longest, trial.longest, LENGTHS)
-
-
-class _Bend:
-    """What a notch's curvature adds to a straight edge: near the mouth not smooth, but known.
-
-    To leading order a surface that bends the other way adds the opposite.
-    """
-
-    def __init__(self, curvature: float, boundary: Boundary):
-        self.curvature = curvature
-        self.mu, self.kappa = boundary.mu, boundary.kappa
-
-    def __call__(self, at: np.ndarray) -> np.ndarray:
-        """Stress (2, n, n) at depths by dipoles at the same depths (n,), opening and sliding, MPa/mm^2."""
-        if self.curvature == 0:
-            return np.zeros((2, len(at), len(at)))
-        hole = mirror_stress(at, at, 1 / abs(self.curvature), self.mu, self.kappa)
-        edge = mirror_stress(at, at, np.inf, self.mu, self.kappa)
-        return -np.sign(self.curvature) * (hole - edge)
-
-
-def released(
-    a: np.ndarray,
-    C: np.ndarray,
-    D: np.ndarray,
-    depths: np.ndarray,
-    eta: np.ndarray,
-    traction: np.ndarray,
-    bend: _Bend,
-) -> np.ndarray:
-    """Incremental energy release rate (n,), N/mm, of cracks of lengths a (n,).
-
-    Parameters
-    ----------
-    a : ndarray (n,)
-        Crack lengths, mm.
-    C : ndarray (n, 2, k, k)
-        Compliance of the faces in the unbounded body for Legendre tractions, mm^2/MPa.
-    D : ndarray (2 m, 2 m)
-        Stress by what the surroundings answer, sampled at depths (m,), MPa/mm^2.
-    depths, eta : ndarray (m,), (q,)
-        Where D and the stress are sampled, mm.
-    traction : ndarray (2, q)
-        Normal and shear stress on the uncracked path, MPa.
-    bend : _Bend
-        The part of D that is not smooth.
-    """
-    n, k, m = len(a), C.shape[-1], len(depths)
-    t, w = legendre.leggauss(24)
-    # dense towards the mouth, where the bend is singular
-    x, w = 2 * ((t + 1) / 2) ** 2 - 1, w * (t + 1)
-    project = legendre_coefficients(k, x, w)
-    at = a[:, None] * (x + 1) / 2
-    smooth, near = D.copy(), bend(depths)
-    smooth[:m, :m] -= near[0]
-    smooth[m:, m:] -= near[1]
-    p = np.einsum("kq,nqe,de->ndk", project, _polynomials(eta, at), traction).reshape(n, 2 * k)
-    basis = project @ _polynomials(depths, at)
-    lift, compliance = np.zeros((n, 2 * k, 2 * m)), np.zeros((n, 2 * k, 2 * k))
-    lift[:, :k, :m] = lift[:, k:, m:] = basis
-    compliance[:, :k, :k], compliance[:, k:, k:] = C.swapaxes(0, 1)
-    answer = lift @ smooth @ lift.swapaxes(1, 2)
-    bent = project @ np.stack([bend(points) for points in at]) @ project.T
-    answer[:, :k, :k] += bent[:, 0]
-    answer[:, k:, k:] += bent[:, 1]
-    opening = np.linalg.solve(np.eye(2 * k) - compliance @ answer, compliance @ p[..., None])[..., 0]
-    energy = 0.5 * np.einsum("nk,nk->n", p, opening)
-    return until_closed(energy, tip_opening(opening[:, :k])) / a
-
-
-def _polynomials(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """From values at ``nodes`` (k,) to those of the polynomial through them at ``at`` (n, q), shape (n, q, k)."""
-    return polynomial_matrix(nodes, at.ravel()).reshape(*at.shape, len(nodes))
 
 
 def _component(sigma: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
 from slmm.initiation.dipole import mirror_stress
+from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import kolosov, shear_modulus
 
 #: longest crack over the radius of the hole
@@ -72,8 +73,7 @@ def _scaled(ratio: np.ndarray) -> np.ndarray:
 
 def compliance(radius: float, points: int = POINTS) -> np.ndarray:
     """Compliance (2, k, k) of a crack of unit length at a hole of the given radius, for E = 1; inf is an edge."""
-    coarse, fine = _with_points(radius, points), _with_points(radius, 2 * points)
-    C = fine + (fine - coarse) / 3
+    C, _ = extrapolated(_with_points(radius, points), _with_points(radius, 2 * points), order=2)
     return (C + C.swapaxes(1, 2)) / 2
 
 

@@ -19,6 +19,7 @@ from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel
 from slmm.initiation.contact import until_closed
+from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress
 from slmm.part.part import Part
 
@@ -181,15 +182,17 @@ def full_fea_curves(
             raise ValueError(f"eta = {deep!r} mm: the path has left the material there")
         mesh = mesh.refined() if level < levels - 1 else mesh
     # the tip's linear error cancels; what remains falls more than eightfold with every refinement
-    G_inc = 2 * released[-1] - released[-2]
-    before = 2 * released[-2] - released[-3] if levels == LEVELS else released[-1]
+    G_inc, _ = extrapolated(released[-2], released[-1], order=1)
+    before = released[-1]
+    if levels == LEVELS:
+        before, _ = extrapolated(released[-3], released[-2], order=1)
     before, G_inc = (until_closed(a * G, opening) / a for G in (before, G_inc))
     # at a single length the change may vanish by chance: the largest along the path counts for all, but where the crack
     # all but closes
     change = np.abs(G_inc - before)
     opens = G_inc / a > CLOSING * np.max(G_inc / a)
     G_inc_error = np.maximum(np.max(change[opens] / G_inc[opens], initial=0.0) * G_inc, change) / 4
-    sigma = (8 * stress[-1] - stress[-2]) / 7
+    sigma, _ = extrapolated(stress[-2], stress[-1], order=3)
     sigma_I = principal_stress(sigma)
     sigma_I_before = principal_stress(stress[-1] if levels == LEVELS else stress[0])
     return FullFEA(

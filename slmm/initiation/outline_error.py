@@ -17,7 +17,8 @@ from scipy.spatial import cKDTree
 from slmm.criteria.coupled import critical_load, stress_over_crack
 from slmm.criteria.coupled_curves import Coupled
 from slmm.criteria.path_curves import path_points
-from slmm.initiation.asymptotics import blunted_curves, critical_intensity, sharp_curves
+from slmm.initiation.asymptotics import critical_intensity, sharp_curves
+from slmm.initiation.blunted import blunted_curves
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notch_table import load_v_notches
 from slmm.mechanics.material import Material

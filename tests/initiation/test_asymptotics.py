@@ -10,13 +10,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
 from slmm import Material, coupled_criterion
-from slmm.initiation.asymptotics import (
-    blunted_curves,
-    critical_intensity,
-    generalised_intensity,
-    intensity_from_root_stress,
-    sharp_curves,
-)
+from slmm.initiation.asymptotics import critical_intensity, generalised_intensity, sharp_curves
+from slmm.initiation.blunted import blunted_curves, intensity_from_root_stress
 from slmm.initiation.v_notch_table import SCHEMA, load_v_notches, read_v_notches
 from slmm.mechanics.williams import (
     decaying_fields,

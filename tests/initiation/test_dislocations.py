@@ -8,9 +8,10 @@ from slmm import failure_indices
 from slmm.criteria.status import Status
 from slmm.initiation.body_fitted import solve_body_fitted
 from slmm.initiation.by_dislocations import SAFETY
-from slmm.initiation.dislocations import Boundary, DislocationModel, Trial, answers_of_surroundings
+from slmm.initiation.dislocations import DislocationModel
 from slmm.initiation.full_fea import full_fea_curves
 from slmm.initiation.meta_model import polynomial_matrix
+from slmm.initiation.surroundings import Boundary, Trial, answers_of_surroundings
 from slmm.mechanics.stress import principal_stress
 from slmm.scene import gallery
 
