@@ -16,6 +16,7 @@ ROOMS = (
     "criteria",
     "voxels",
     "fem",
+    "boundary",
     "results",
     "initiation",
     "fracture",

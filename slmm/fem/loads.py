@@ -9,11 +9,9 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 from skfem import MeshTri2
 
+from slmm.mechanics.rigid import free_motions
 from slmm.scene.load_checks import UNBALANCED
 from slmm.scene.loading import Condition, Loading
-
-#: rigid motions whose displacements are as small, against the largest, are held; round-off
-HELD = 1e-9
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.
     adrift = np.zeros(len(points), dtype=bool)
     pieces = pieces_of(mesh, closed)
     for nodes in pieces:
-        free = _free_motions(points[nodes], prescribed[nodes])
+        free = free_motions(points[nodes], prescribed[nodes])
         if not free.shape[1]:
             continue
         # a scene lets through what its supports carry without a trace
@@ -104,29 +102,6 @@ def pieces_of(mesh: MeshTri2, closed: np.ndarray) -> list[np.ndarray]:
     return [np.flatnonzero(of_node == k) for k in range(count)]
 
 
-def _rigid_motions(points: np.ndarray) -> np.ndarray:
-    """Displacements (n, 2, 3) by a motion along x, along y and a turn about the middle, at most about 1."""
-    middle = points.mean(axis=0)
-    reach = np.abs(points - middle).max()
-    motions = np.zeros((*points.shape, 3))
-    motions[:, 0, 0] = motions[:, 1, 1] = 1.0
-    motions[:, 0, 2], motions[:, 1, 2] = (
-        (middle[1] - points[:, 1]) / reach,
-        (points[:, 0] - middle[0]) / reach,
-    )
-    return motions
-
-
-def _free_motions(points: np.ndarray, prescribed: np.ndarray) -> np.ndarray:
-    """Rigid motions (2 n, k) that the prescribed displacements (n, 2) leave free."""
-    motions = _rigid_motions(points)
-    if not prescribed.any():
-        return motions.reshape(-1, 3)
-    held = motions[prescribed]
-    _, size, modes = np.linalg.svd(held.T @ held)
-    return motions.reshape(-1, 3) @ modes[size <= HELD * max(size[0], 1.0)].T
-
-
 def _first_stretch(loading: Loading, points: np.ndarray) -> Condition | None:
     """The first condition that has two nodes of a piece at least."""
     return next((condition for condition in loading if np.count_nonzero(condition.on(points)) > 1), None)
@@ -147,11 +122,11 @@ def _supports(
     fixed = prescribed[nodes].copy()
     place = {int(node): k for k, node in enumerate(nodes)}
     found = []
-    free = _free_motions(points[nodes], fixed).shape[1]
+    free = free_motions(points[nodes], fixed).shape[1]
     for node, i in ((first, 0), (first, 1), (last, across)):
         more = fixed.copy()
         more[place[int(node)], i] = True
-        left = _free_motions(points[nodes], more).shape[1]
+        left = free_motions(points[nodes], more).shape[1]
         if left < free:
             fixed, free = more, left
             found.append((int(node), i))

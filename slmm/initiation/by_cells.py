@@ -64,6 +64,11 @@ def local_field(task: Task) -> UncrackedField:
 
         task.progress(0.0, "local model, body-fitted")
         return solve_body_fitted(task.scene)
+    if task.scene.analysis.local_model == "boundary":
+        from slmm.initiation.boundary_field import solve_boundary  # imports the kernels
+
+        task.progress(0.0, "local model, boundary integrals")
+        return solve_boundary(task.scene)
     return voxel_model(task)
 
 

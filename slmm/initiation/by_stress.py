@@ -51,8 +51,8 @@ def _path_stress(task: Task, answer: Answer, depths: np.ndarray) -> tuple[np.nda
     """Stress across, along, shear (n, 3, k) at depths (k,), and an error (n, k), both MPa."""
     stress = np.full((task.n, 3, len(depths)), np.nan)
     error = np.full((task.n, len(depths)), np.nan)
-    body_fitted = task.displacements is None and task.scene.analysis.local_model == "body-fitted"
-    own = body_fitted or isinstance(task.displacements, WithStress)
+    meshed = task.displacements is None and task.scene.analysis.local_model != "voxels"
+    own = meshed or isinstance(task.displacements, WithStress)
     rows = np.flatnonzero(task.smooth) if own else rows_with_cells(task, answer)
     if len(rows):
         if not own:

@@ -1,5 +1,6 @@
 """Method full-fea: paths that are long enough, up to those that sever the ligament."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,8 +10,8 @@ from slmm import failure_indices
 from slmm.criteria.status import Status
 from slmm.initiation import by_full_fea
 from slmm.initiation.by_full_fea import sampled
-from slmm.initiation.failure import METHODS
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
+from slmm.initiation.methods import SOURCES
 from slmm.scene import gallery
 
 pytest.importorskip("netgen")
@@ -83,7 +84,8 @@ def test_two_meshes_do_where_they_meet_the_tolerance(monkeypatch, corner):
         return full_fea_curves(*arguments, levels=levels, **keywords)
 
     monkeypatch.setattr(by_full_fea, "full_fea_curves", noted)
-    monkeypatch.setitem(METHODS, "full-fea", partial(by_full_fea.by_full_fea, least=0.0))
+    two = replace(SOURCES["full FEA"], answer=partial(by_full_fea.by_full_fea, least=0.0))
+    monkeypatch.setitem(SOURCES, "full FEA", two)
     for tolerance, levels in ((0.02, [2]), (0.0005, [2, 3])):
         asked.clear()
         result = failure_indices(scene, "full-fea", tolerance=tolerance).isel(position=0)

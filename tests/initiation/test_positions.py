@@ -24,7 +24,7 @@ def test_on_smooth_outlines_positions_are_equally_spaced_from_their_start():
     assert where.hole.tolist() == [0] * 8 + [1] * 8
     length = scene.outlines[0].length
     np.testing.assert_allclose(where.s, np.tile(np.arange(8) / 8 * length, 2), rtol=1e-12)
-    assert np.isnan(where.corner).all() and (where.crack == -1).all()
+    assert np.isnan(where.corner).all() and (where.tip == -1).all()
     assert near_outline(scene, where)
 
 
@@ -67,14 +67,14 @@ def test_crack_tips_follow_after_all_holes():
     scene = gallery.two_holes(cracks=[CRACK, {"points": [[100.0, 90.0], [90.0, 90.0], [85.0, 85.0]]}])
     where = find_positions(scene, 3)
     assert where.hole.tolist() == [0, 0, 0, 1, 1, 1, -1, -1]
-    assert where.crack.tolist() == [-1] * 6 + [0, 1]
+    assert where.tip.tolist() == [-1] * 6 + [0, 1]
     assert where.points[6:].tolist() == [[10.0, 20.0], [85.0, 85.0]]
     assert np.isnan(where.s[6:]).all() and where.corner[6:].tolist() == [0.0, 0.0]
 
 
 def test_a_scene_with_a_crack_alone_has_its_tip():
     where = find_positions(gallery.edge_crack(10.0))
-    assert where.hole.tolist() == [-1] and where.crack.tolist() == [0]
+    assert where.hole.tolist() == [-1] and where.tip.tolist() == [0]
     assert where.points.tolist() == [[10.0, 60.0]]
 
 
@@ -82,7 +82,7 @@ def test_explicit_points_keep_their_order_and_snap_to_corners_and_tips():
     points = [[10.0, 20.0], [50.0, 70.0], [65.0004, 65.0], [35.0, 35.01], [60.0, 70.0]]
     scene = gallery.square_hole(cracks=[CRACK], analysis={"points": points})
     where = find_positions(scene)
-    assert where.crack.tolist() == [0, -1, -1, -1, -1] and where.hole.tolist() == [-1, 0, 0, 0, 0]
+    assert where.tip.tolist() == [0, -1, -1, -1, -1] and where.hole.tolist() == [-1, 0, 0, 0, 0]
     np.testing.assert_allclose(where.points, [(10, 20), (50, 65), (65, 65), (35, 35.01), (60, 65)], atol=1e-9)
     np.testing.assert_allclose(np.degrees(where.corner), [0.0, np.nan, 90.0, np.nan, np.nan])
     assert where.s[2] == 0.0  # exactly the corner
@@ -90,9 +90,9 @@ def test_explicit_points_keep_their_order_and_snap_to_corners_and_tips():
 
 def test_explicit_points_leave_crack_tips_out_that_they_do_not_name():
     scene = gallery.square_hole(cracks=[CRACK], analysis={"points": [[50.0, 65.0], [11.0, 20.0]]})
-    assert find_positions(scene).crack.tolist() == [-1, -1]
+    assert find_positions(scene).tip.tolist() == [-1, -1]
     # a number of positions takes the place of the points
-    assert find_positions(scene, 4).crack.tolist() == [-1] * 4 + [0]
+    assert find_positions(scene, 4).tip.tolist() == [-1] * 4 + [0]
 
 
 def test_an_explicit_point_goes_to_the_nearest_outline():
@@ -109,7 +109,7 @@ def test_a_point_beyond_a_corner_is_that_corner():
 
 
 def test_scenes_without_any_place_for_a_crack_are_refused():
-    with pytest.raises(ValueError, match="has none, and no cracks"):
+    with pytest.raises(ValueError, match="has none, and no crack tips"):
         find_positions(gallery.circular_hole(holes=[]))
     with pytest.raises(ValueError, match=r"analysis.points\[1\] = \[12, 60\]: the scene has no hole"):
         find_positions(gallery.edge_crack(10.0, analysis={"points": [[10.0, 60.0], [12.0, 60.0]]}))

@@ -1,0 +1,141 @@
+"""Panels along cracks: straight, graded towards mouths and kinks, with the root of the distance built in at tips."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from slmm.boundary.panels import Array, Complex, rule
+from slmm.part.crack import TIP
+from slmm.part.part import Part
+
+#: last panel before a mouth or where cracks meet, before a kink, and the panel at a tip, over the segment's length; a
+#: panel over its distance from surfaces (chosen on the cases of tests/boundary)
+AT_MOUTH, AT_KINK, AT_TIP, PER_DISTANCE = 0.01, 0.02, 0.4, 1.5
+
+
+class CrackPanels(NamedTuple):
+    """Straight panels; one that ``is_tip`` ends at a tip.
+
+    Attributes
+    ----------
+    p : int
+        Points on each panel.
+    starts, ends : ndarray, shape (m,)
+        mm.
+    is_tip : ndarray, shape (m,) of bool
+    tip : ndarray, shape (m,) of int
+        Which tip of the part it leads to, -1 for none.
+    z : ndarray, shape (m p,)
+        Points, mm.
+    """
+
+    p: int
+    starts: Complex
+    ends: Complex
+    is_tip: NDArray[np.bool_]
+    tip: NDArray[np.int64]
+    z: Complex
+
+    @property
+    def direction(self) -> Complex:
+        """Unit vectors (m,)."""
+        along = self.ends - self.starts
+        return along / np.abs(along)
+
+
+@lru_cache
+def straight_rule(p: int) -> tuple[Array, Array, Array]:
+    """Points, weights and inverse Vandermonde matrix of a panel without a tip."""
+    x, w = rule(p)
+    return x, w, np.linalg.inv(legendre.legvander(x, p - 1))
+
+
+@lru_cache
+def tip_rule(p: int) -> tuple[Array, Array, Array]:
+    """The same over the root of the distance from a tip, (0, 1), for odd Legendre polynomials."""
+    x, w = rule(2 * p)
+    x, w = x[p:], w[p:]
+    return x, w, np.linalg.inv(legendre.legvander(x, 2 * p - 1)[:, 1::2])
+
+
+def slope_at_tip(p: int) -> Array:
+    """From values at the points of a panel with a tip to their derivative by the root of the distance, at the tip."""
+    _, _, inverse = tip_rule(p)
+    slopes = np.array([legendre.legval(0.0, legendre.legder(np.eye(2 * p)[k])) for k in range(1, 2 * p, 2)])
+    return slopes @ inverse
+
+
+def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
+    """Panels along all cracks of a part; ``around`` are samples of its surfaces."""
+    found: list[tuple[complex, complex, int]] = []
+    number = 0
+    for crack, line in zip(part.cracks, part.crack_lines, strict=True):
+        z = line[:, 0] + 1j * line[:, 1]
+        at_start = at_end = -1
+        if crack.start == TIP:
+            at_start, number = number, number + 1
+        if crack.end == TIP:
+            at_end, number = number, number + 1
+        last = len(z) - 2
+        length = np.abs(np.diff(z))
+        for k, (a, b) in enumerate(pairwise(z)):
+            first_tip, last_tip = (at_start if k == 0 else -1), (at_end if k == last else -1)
+            # at a kink as short as the shorter of both segments asks for
+            ends = (
+                AT_MOUTH if k == 0 else AT_KINK * min(1.0, length[k - 1] / length[k]),
+                AT_MOUTH if k == last else AT_KINK * min(1.0, length[k + 1] / length[k]),
+            )
+            found += _segment(a, b, first_tip, last_tip, ends, around)
+    starts, ends_of = (np.array([f[i] for f in found], dtype=complex) for i in (0, 1))
+    tip = np.array([f[2] for f in found], dtype=int)
+    x, _, _ = straight_rule(p)
+    xt, _, _ = tip_rule(p)
+    along = ends_of - starts
+    z = np.where(
+        (tip >= 0)[:, None],
+        ends_of[:, None] - along[:, None] * xt**2,
+        0.5 * (starts + ends_of)[:, None] + 0.5 * along[:, None] * x,
+    )
+    return CrackPanels(p, starts, ends_of, tip >= 0, tip, z.ravel())
+
+
+def _segment(
+    a: complex, b: complex, first_tip: int, last_tip: int, ends: Sequence[float], around: Complex
+) -> list[tuple[complex, complex, int]]:
+    """Panels of a segment from a to b: start, end, and the tip at the end or -1."""
+    length = abs(b - a)
+    low, high = 0.0, 1.0
+    panels: list[tuple[complex, complex, int]] = []
+    if first_tip >= 0:
+        low = _tip_share(a, b, around)
+        panels.append((a + low * (b - a), a, first_tip))
+    if last_tip >= 0:
+        high = 1.0 - _tip_share(b, a, around)
+        panels.append((a + high * (b - a), b, last_tip))
+    first = ends[0] if first_tip < 0 else low
+    last = ends[1] if last_tip < 0 else 1.0 - high
+    todo = [(low, high)]
+    while todo:
+        u, v = todo.pop()
+        z = a + np.linspace(u, v, 5) * (b - a)
+        away = np.abs(z[:, None] - around).min() if len(around) else np.inf
+        # at a mouth the surface itself is near
+        allowed = min(max(u, first), max(1.0 - v, last), max(PER_DISTANCE * away / length, min(first, last)))
+        if v - u > allowed * (1 + 1e-9):
+            todo += [(u, 0.5 * (u + v)), (0.5 * (u + v), v)]
+        else:
+            panels.append((a + u * (b - a), a + v * (b - a), -1))
+    return panels
+
+
+def _tip_share(tip: complex, other: complex, around: Complex) -> float:
+    """Length of the panel at a tip over that of its segment."""
+    away = float(np.abs(tip - around).min()) if len(around) else np.inf
+    return min(AT_TIP, PER_DISTANCE * away / abs(other - tip))

@@ -1,0 +1,127 @@
+"""What densities on the boundary and on cracks cause at some places, as matrices."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slmm.boundary.crack_panels import CrackPanels, straight_rule, tip_rule
+from slmm.boundary.influence import TWO_PI_I, boundary_displacement, boundary_stress, crack_weights
+from slmm.boundary.panels import Array, Complex, Panels, refinement
+
+
+class Linear(NamedTuple):
+    """A complex quantity that is linear in a density: ``one`` times it and ``other`` times its conjugate."""
+
+    one: Complex
+    other: Complex
+
+    def __call__(self, density: Any) -> Complex:
+        """The quantity (t,) for a density (n,)."""
+        return self.one @ density + self.other @ density.conj()
+
+    def real(self) -> Array:
+        """Real matrix (2 t, 2 n) from real and imaginary parts to such."""
+        t, n = self.one.shape
+        result = np.empty((t, 2, n, 2))
+        plus, minus = self.one + self.other, 1j * (self.one - self.other)
+        result[:, 0, :, 0], result[:, 1, :, 0] = plus.real, plus.imag
+        result[:, 0, :, 1], result[:, 1, :, 1] = minus.real, minus.imag
+        return result.reshape(2 * t, 2 * n)
+
+
+def displacement_of_boundary(
+    panels: Panels, kappa: float, targets: Complex, own: NDArray[np.int64]
+) -> tuple[Linear, Linear]:
+    """W at targets (t,) by the boundary's g, and by its q; ``own`` (t,) are numbers of points, -1 beside them."""
+    C1, C3 = boundary_displacement(
+        targets,
+        own,
+        panels.p,
+        panels.z,
+        panels.dz,
+        panels.tangent,
+        panels.curvature,
+        panels.ends,
+        panels.straight,
+        panels.smooth,
+        panels.fine,
+        panels.fine_chi,
+        panels.inverse,
+        panels.fine_inverse,
+        refinement(panels.p),
+    )
+    C3 /= TWO_PI_I
+    return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, C3), Linear(2 * kappa * C1.real / TWO_PI_I, C3)
+
+
+def stress_of_boundary(panels: Panels, targets: Complex) -> tuple[Complex, Complex]:
+    """Weights (t, n) of the boundary in P, and in the part of Q that is linear in a density."""
+    P, Q = boundary_stress(
+        targets,
+        panels.p,
+        panels.z,
+        panels.dz,
+        panels.ends,
+        panels.straight,
+        panels.fine,
+        panels.fine_chi,
+        panels.inverse,
+        panels.fine_inverse,
+        refinement(panels.p),
+    )
+    return P / TWO_PI_I, Q / TWO_PI_I
+
+
+class OfCracks(NamedTuple):
+    """Weights (t, m) of the jumps on cracks: in C1 and C3, in P and in the part of Q that is linear in the jump."""
+
+    C1: Complex
+    C3: Complex
+    P: Complex
+    Q: Complex
+
+    def displacement(self, kappa: float) -> Linear:
+        """W by the jumps."""
+        return Linear((kappa * self.C1 - self.C1.conj()) / TWO_PI_I, self.C3 / TWO_PI_I)
+
+
+def of_cracks(cracks: CrackPanels, targets: Complex, on: NDArray[np.int64]) -> OfCracks:
+    """Influence of cracks on targets (t,); ``on`` (t,) is the panel that one lies on, -1 for none."""
+    x, w, inverse = straight_rule(cracks.p)
+    tip_x, tip_w, tip_inverse = tip_rule(cracks.p)
+    M = crack_weights(
+        targets,
+        on,
+        cracks.p,
+        cracks.starts,
+        cracks.ends,
+        cracks.is_tip,
+        x,
+        w,
+        inverse,
+        tip_x,
+        tip_w,
+        tip_inverse,
+    )
+    rho = np.repeat(cracks.direction.conj() / cracks.direction, cracks.p)
+    start = np.repeat(cracks.starts, cracks.p)
+    delta = rho * (targets[:, None] - start) - np.conj(targets[:, None] - start)
+    panel = np.repeat(np.arange(len(cracks.starts)), cracks.p)
+    delta[panel == on[:, None]] = 0.0
+    return OfCracks(
+        M[0], delta / rho * M[1].conj(), M[1] / TWO_PI_I, (-rho * M[1] - 2 * delta * M[2]) / TWO_PI_I
+    )
+
+
+def traction_of(P: Complex, Q: Complex, S: float, e: Complex) -> Linear:
+    """Change of the resultant force along directions e (t,), by a density whose conjugate enters Q with P times S."""
+    e = e[:, None]
+    return Linear(e * P + S * e.conj() * P.conj(), e * P.conj() + e.conj() * Q.conj())
+
+
+def parts(values: Complex) -> Array:
+    """Real and imaginary parts (2 n,) in turn."""
+    return np.column_stack([values.real, values.imag]).ravel()

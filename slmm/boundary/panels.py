@@ -1,0 +1,312 @@
+"""Panels of Gauss points around a part, graded towards corners and crack mouths; the body lies on their left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from slmm.part.outline import Outline
+from slmm.part.part import Part
+
+Array = NDArray[Any]
+Complex = NDArray[Any]
+
+#: panel on an outline over its smallest radius of curvature there, over its distance from other surfaces and from crack
+#: tips, and on straight edges over the part's smaller side (chosen on the cases of tests/boundary)
+PER_RADIUS, PER_DISTANCE, PER_SIDE = 0.8, 1.0, 0.25
+#: the last panel before a corner that juts out, a mouth of a crack and a corner that points into the material, over the
+#: length of the side: solutions are smoother there by turns (chosen likewise)
+JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
+
+
+class Stretch(NamedTuple):
+    """A smooth curve of the boundary, the body on its left.
+
+    Attributes
+    ----------
+    start, end : complex
+        Its ends, mm.
+    outline : Outline or None
+        Of a hole; None for a straight edge.
+    s : (float, float)
+        Arc lengths on the outline, mm, descending.
+    last : (float, float)
+        Length of the last panel before either end over that of the curve.
+    closed : bool
+        A whole outline.
+    """
+
+    start: complex
+    end: complex
+    outline: Outline | None = None
+    s: tuple[float, float] = (0.0, 0.0)
+    last: tuple[float, float] = (JUTTING, JUTTING)
+    closed: bool = False
+
+    @property
+    def length(self) -> float:
+        """mm."""
+        return abs(self.end - self.start) if self.outline is None else self.s[0] - self.s[1]
+
+    def at(self, share: Array) -> tuple[Complex, Complex, Array]:
+        """Points (n,), tangents (n,) and curvatures (n,), positive to the left, at shares of the length."""
+        if self.outline is None:
+            along = (self.end - self.start) / abs(self.end - self.start)
+            n = len(share)
+            return self.start + share * (self.end - self.start), np.full(n, along), np.zeros(n)
+        s = self.s[0] - share * self.length
+        x, y = self.outline.points(s).T
+        tx, ty = self.outline.tangents(s).T
+        return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """Gauss points on all panels, contour by contour.
+
+    Attributes
+    ----------
+    p : int
+        Points on each panel.
+    z, dz : ndarray, shape (n,)
+        Points, mm, and integration weights along the curve.
+    tangent : ndarray, shape (n,)
+        Unit tangents.
+    curvature : ndarray, shape (n,)
+        1/mm.
+    ends : ndarray, shape (m, 2)
+        First and last point of each panel.
+    straight : ndarray, shape (m,) of bool
+    span : ndarray, shape (m, 2)
+        Arc lengths on its hole at the ends of a panel, mm, descending; NaN on the outer edge.
+    contour : ndarray, shape (m,) of int
+        0 is the outer edge, k + 1 the hole k.
+    smooth : ndarray, shape (m,) of int
+        Panels of one smooth curve have the same number.
+    fine, fine_dz, fine_chi : ndarray, shape (m, 2 p)
+        Twice as many points on each panel, their weights, and conj(dz)/dz there.
+    inverse : ndarray, shape (m, p, p); fine_inverse : ndarray, shape (m, 2 p, 2 p)
+        From values at the points to coefficients of Legendre polynomials in the panel's chord.
+    """
+
+    p: int
+    z: Complex
+    dz: Complex
+    tangent: Complex
+    curvature: Array
+    ends: Complex
+    straight: NDArray[np.bool_]
+    span: Array
+    contour: NDArray[np.int64]
+    smooth: NDArray[np.int64]
+    fine: Complex
+    fine_chi: Complex
+    inverse: Complex
+    fine_inverse: Complex
+
+    @property
+    def n(self) -> int:
+        """Number of points."""
+        return len(self.z)
+
+
+@lru_cache
+def rule(p: int) -> tuple[Array, Array]:
+    """Points and weights of Gauss and Legendre on [-1, 1]."""
+    x, w = legendre.leggauss(p)
+    return x, w
+
+
+@lru_cache
+def refinement(p: int) -> Array:
+    """From values at p Gauss points to those at 2 p, shape (2 p, p)."""
+    x, _ = rule(p)
+    fine, _ = rule(2 * p)
+    return legendre.legvander(fine, p - 1) @ np.linalg.inv(legendre.legvander(x, p - 1))
+
+
+@lru_cache
+def integration(p: int) -> Array:
+    """From values at p Gauss points to integrals from -1 to each of them, and to 1 in the last row; (p + 1, p)."""
+    x, _ = rule(p)
+    coefficients = np.linalg.inv(legendre.legvander(x, p - 1))
+    at = np.append(x, 1.0)
+    powers = [legendre.legval(at, legendre.legint(np.eye(p)[n], lbnd=-1.0)) for n in range(p)]
+    return np.array(powers).T @ coefficients
+
+
+@lru_cache
+def _coefficients(p: int) -> Array:
+    x, _ = rule(p)
+    return np.linalg.inv(legendre.legvander(x, p - 1))
+
+
+def values_at(xi: Array, p: int) -> Array:
+    """From values at p Gauss points to those at places xi (k,) of the panel, -1 to 1; (k, p)."""
+    return legendre.legvander(xi, p - 1) @ _coefficients(p)
+
+
+def slopes_at(xi: Array, p: int) -> Array:
+    """The same for derivatives by xi."""
+    slopes = [legendre.legval(xi, legendre.legder(np.eye(p)[n])) for n in range(p)]
+    return np.array(slopes).T @ _coefficients(p)
+
+
+def boundary_of(part: Part, breaks: Sequence[complex]) -> list[list[Stretch]]:
+    """The contours of a part as stretches that end at corners and at some further points of the boundary.
+
+    Holes have to lie inside the part.
+    """
+    corners = part.outer[:, 0] + 1j * part.outer[:, 1]
+    near = part.tolerance
+    outer = []
+    for a, b in zip(corners, np.roll(corners, -1), strict=True):
+        along = (b - a) / abs(b - a)
+        inner = [(point - a) / along for point in breaks]
+        at = sorted(d.real for d in inner if abs(d.imag) <= near and near < d.real < abs(b - a) - near)
+        points = [a, *(a + d * along for d in at), b]
+        last = [JUTTING, *([MOUTH] * len(at)), JUTTING]
+        outer += [
+            Stretch(u, v, last=(m, n)) for u, v, m, n in zip(points, points[1:], last, last[1:], strict=False)
+        ]
+    contours = [outer]
+    for hole in part.holes:
+        s = (
+            hole.project(np.array([[b.real, b.imag] for b in breaks]).reshape(-1, 2))
+            if breaks
+            else np.empty(0)
+        )
+        on = [
+            float(d)
+            for d, b in zip(s, breaks, strict=True)
+            if np.linalg.norm(hole.points(d) - [b.real, b.imag]) <= near
+        ]
+        cuts = sorted({round(d, 12) for d in [*on, *hole.corners.tolist()]}, reverse=True)
+        if not cuts:
+            x, y = hole.points(0.0)
+            start = complex(x, y)
+            contours.append([Stretch(start, start, hole, (hole.length, 0.0), closed=True)])
+            continue
+        ends = [*cuts[1:], cuts[0] - hole.length]
+        stretches = []
+        for first, last in zip(cuts, ends, strict=True):
+            u, v = (complex(*hole.points(d)) for d in (first, last))
+            stretches.append(
+                Stretch(u, v, hole, (first, last), (_grading(hole, first), _grading(hole, last)))
+            )
+        contours.append(stretches)
+    return contours
+
+
+def _grading(hole: Outline, s: float) -> float:
+    """How far panels shrink towards a corner of a hole, or a mouth in it."""
+    corner = int(hole.corner_at(np.array([s]))[0])
+    if corner < 0:
+        return MOUTH
+    return REENTRANT if hole.corner_angles[corner] < np.pi else JUTTING
+
+
+def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[complex], p: int) -> Panels:
+    """Panels on all contours."""
+    side = float(np.ptp(part.outer, axis=0).min())
+    sampled = [_samples(stretches) for stretches in contours]
+    parts: list[tuple[Stretch, float, float, int, int]] = []
+    number = 0
+    for c, stretches in enumerate(contours):
+        others = np.concatenate(
+            [z for k, z in enumerate(sampled) if k != c] + [np.array(tips, dtype=complex)]
+        )
+        for stretch in stretches:
+            cuts = _cuts(stretch, others, side)
+            parts += [(stretch, a, b, c, number) for a, b in pairwise(cuts)]
+            number += 1
+    x, w = rule(p)
+    xf, _ = rule(2 * p)
+    z, dz, tangent, curvature, ends, fine, chi = [], [], [], [], [], [], []
+    for stretch, a, b, _, _ in parts:
+        middle, half = 0.5 * (a + b), 0.5 * (b - a)
+        points, along, bend = stretch.at(middle + half * x)
+        z.append(points)
+        tangent.append(along)
+        curvature.append(bend)
+        dz.append(along * (w * half * stretch.length))
+        points, along, _ = stretch.at(middle + half * xf)
+        fine.append(points)
+        chi.append(np.conj(along) / along)
+        ends.append(stretch.at(np.array([a, b]))[0])
+    ends_of, z_of, fine_of = np.array(ends), np.array(z), np.array(fine)
+    return Panels(
+        p,
+        np.concatenate(z),
+        np.concatenate(dz),
+        np.concatenate(tangent),
+        np.concatenate(curvature),
+        ends_of,
+        np.array([stretch.outline is None for stretch, *_ in parts]),
+        np.array(
+            [
+                (np.nan, np.nan)
+                if stretch.outline is None
+                else (stretch.s[0] - a * stretch.length, stretch.s[0] - b * stretch.length)
+                for stretch, a, b, *_ in parts
+            ]
+        ),
+        np.array([c for *_, c, _ in parts]),
+        np.array([number for *_, number in parts]),
+        fine_of,
+        np.array(chi),
+        _inverses(z_of, ends_of),
+        _inverses(fine_of, ends_of),
+    )
+
+
+def _inverses(z: Complex, ends: Complex) -> Complex:
+    """Inverse Vandermonde matrices (m, k, k) of points (m, k) in the chords of their panels."""
+    middle, half = 0.5 * ends.sum(axis=1), 0.5 * (ends[:, 1] - ends[:, 0])
+    zeta = (z - middle[:, None]) / half[:, None]
+    n = z.shape[1]
+    V = np.empty((*z.shape, n), dtype=complex)
+    V[..., 0] = 1.0
+    V[..., 1] = zeta
+    for k in range(1, n - 1):
+        V[..., k + 1] = ((2 * k + 1) * zeta * V[..., k] - k * V[..., k - 1]) / (k + 1)
+    return np.linalg.inv(V)
+
+
+def _samples(stretches: Sequence[Stretch]) -> Complex:
+    return np.concatenate([stretch.at(np.linspace(0.0, 1.0, 200))[0] for stretch in stretches])
+
+
+def _cuts(stretch: Stretch, others: Complex, side: float) -> list[float]:
+    """Shares of a stretch at which its panels end, halved until each is short enough."""
+    length = stretch.length
+    todo, done = [(0.0, 1.0)], [0.0]
+    if stretch.closed:
+        todo = [(k / 4, (k + 1) / 4) for k in range(4)]
+    todo.reverse()
+    while todo:
+        a, b = todo.pop()
+        share = np.linspace(a, b, 9)
+        z, _, bend = stretch.at(share)
+        allowed = PER_SIDE * side
+        if stretch.outline is not None:
+            allowed = min(allowed, PER_RADIUS / max(float(np.abs(bend).max()), 1e-12))
+        if len(others):
+            allowed = min(allowed, PER_DISTANCE * float(np.abs(z[:, None] - others).min()))
+        if not stretch.closed:
+            # towards both ends panels become as short as their distance from there
+            first, last = stretch.last
+            allowed = min(allowed, max(a, first) * length, max(1.0 - b, last) * length)
+        if (b - a) * length > max(allowed, 1e-7 * length) * (1 + 1e-9):
+            middle = 0.5 * (a + b)
+            todo += [(middle, b), (a, middle)]
+        else:
+            done.append(b)
+    return done

@@ -1,0 +1,112 @@
+"""Stress at surfaces, and next to them: from the densities there, where kernels lose digits."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slmm.boundary.panels import Array, Complex, Panels, slopes_at, values_at
+from slmm.part.part import Part
+
+
+class Feet(NamedTuple):
+    """The nearest points of the boundary.
+
+    Attributes
+    ----------
+    panel : ndarray, shape (k,) of int
+    xi : ndarray, shape (k,)
+        Place on it, -1 to 1.
+    foot, tangent : ndarray, shape (k,)
+        mm, and unit vectors along the boundary, the body on their left.
+    depth : ndarray, shape (k,)
+        Distance into the body, mm; negative beyond the boundary.
+    """
+
+    panel: NDArray[np.int64]
+    xi: Array
+    foot: Complex
+    tangent: Complex
+    depth: Array
+
+
+def feet(part: Part, panels: Panels, points: Array) -> Feet:
+    """The nearest points of the boundary to points (k, 2)."""
+    z = points[:, 0] + 1j * points[:, 1]
+    outer = np.flatnonzero(panels.straight)
+    found = _on_edges(panels, outer, z)
+    for k, hole in enumerate(part.holes):
+        s = hole.project(points)
+        x, y = hole.points(s).T
+        tx, ty = hole.tangents(s).T
+        foot, tangent = x + 1j * y, -(tx + 1j * ty)
+        depth = ((z - foot) * np.conj(1j * tangent)).real
+        nearer = np.abs(z - foot) < np.abs(z - found.foot)
+        of_hole = np.flatnonzero(panels.contour == k + 1)
+        panel, xi = _on_hole(panels, of_hole, s, hole.length)
+        found = Feet(
+            *(
+                np.where(nearer, new, old)
+                for new, old in zip((panel, xi, foot, tangent, depth), found, strict=True)
+            )
+        )
+    return found
+
+
+def _on_edges(panels: Panels, rows: NDArray[np.int64], z: Complex) -> Feet:
+    """Feet on the straight panels of some rows."""
+    a, b = panels.ends[rows].T
+    along = b - a
+    share = np.clip(((z[:, None] - a) / along).real, 0.0, 1.0)
+    foot = a + share * along
+    best = np.abs(z[:, None] - foot).argmin(axis=1)
+    k = np.arange(len(z))
+    tangent = (along / np.abs(along))[best]
+    depth = ((z - foot[k, best]) * np.conj(1j * tangent)).real
+    return Feet(rows[best], 2 * share[k, best] - 1, foot[k, best], tangent, depth)
+
+
+def _on_hole(
+    panels: Panels, rows: NDArray[np.int64], s: Array, length: float
+) -> tuple[NDArray[np.int64], Array]:
+    """Panels and places on them of arc lengths on a hole."""
+    first, last = panels.span[rows].T
+    way = np.mod(first - s[:, None], length)
+    inside = way <= (first - last) * (1 + 1e-12)
+    best = np.where(inside, way / (first - last), np.inf).argmin(axis=1)
+    k = np.arange(len(s))
+    return rows[best], np.clip(2 * way[k, best] / (first - last)[best] - 1, -1.0, 1.0)
+
+
+def surface_stress(
+    panels: Panels, at: Feet, g: Complex, t: Complex, E: float, nu: float, scale: float
+) -> Array:
+    """Stress xx, yy, xy (k, 3) at places of the boundary, MPa.
+
+    Parameters
+    ----------
+    panels : Panels
+    at : Feet
+    g, t : ndarray, shape (n,)
+        Displacements over ``scale``, and tractions, MPa, at the panels' points.
+    E, nu : float
+        Of plane stress.
+    scale : float
+    """
+    p = panels.p
+    length = np.abs(panels.dz.reshape(-1, p)).sum(axis=1)[at.panel]
+    slope = np.einsum("kp,kp->k", slopes_at(at.xi, p), g.reshape(-1, p)[at.panel]) * 2 / length
+    traction = np.einsum("kp,kp->k", values_at(at.xi, p), t.reshape(-1, p)[at.panel])
+    outward = -1j * at.tangent
+    normal, shear = (traction * outward.conj()).real, (traction * at.tangent.conj()).real
+    hoop = E * scale * (slope * at.tangent.conj()).real + nu * normal
+    (tx, ty), (nx, ny) = (np.array([v.real, v.imag]) for v in (at.tangent, outward))
+    return np.column_stack(
+        [
+            hoop * tx**2 + normal * nx**2 + 2 * shear * tx * nx,
+            hoop * ty**2 + normal * ny**2 + 2 * shear * ty * ny,
+            hoop * tx * ty + normal * nx * ny + shear * (tx * ny + ty * nx),
+        ]
+    )

@@ -1,0 +1,99 @@
+"""The uncracked part by boundary integrals: displacement and stress at any point without a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from slmm.boundary.model import BoundaryModel
+from slmm.initiation.local_model import rasterised
+from slmm.initiation.uncracked import Raster
+
+#: Gauss points on a panel, and on those of the model that the error is told from; both even
+ORDER, LOWER_ORDER = 10, 8
+#: voxels along a panel that resolve displacements as well: the field is smooth between its points
+VOXELS_PER_PANEL = 40
+
+
+@dataclass(frozen=True)
+class BoundaryField:
+    """A part by boundary integrals of two orders: an `uncracked.UncrackedField` that has its stress, too.
+
+    Attributes
+    ----------
+    model, lower : BoundaryModel
+    raster : Raster
+        Where the material is.
+    """
+
+    model: BoundaryModel
+    lower: BoundaryModel
+    raster: Raster
+
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {"local_model": "boundary", "boundary_points": self.model.panels.n}
+
+    @property
+    def coarser(self) -> LowerOrder:
+        """The field of the lower order."""
+        return LowerOrder(self.lower, self.raster)
+
+    def displacement(self, points: np.ndarray) -> np.ndarray:
+        """Displacements (k, 2) at points (k, 2), mm."""
+        return self.model.displacement(points)
+
+    def resolution(self, points: np.ndarray) -> np.ndarray:
+        """Size (k,) of the voxels that would resolve the displacements at points (k, 2) as well, mm."""
+        return self.model.panel_length(points) / VOXELS_PER_PANEL
+
+    def element_size(self, points: np.ndarray) -> np.ndarray:
+        """Length (k,) of the panels next to points (k, 2), mm."""
+        return self.model.panel_length(points)
+
+    def stress(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Stress xx, yy, xy (k, 3) at points (k, 2), and what the lower order changes at most (k,), MPa."""
+        stress, lower = self.model.stress(points), self.lower.stress(points)
+        return stress, np.abs(stress - lower).max(axis=1)
+
+
+@dataclass(frozen=True)
+class LowerOrder:
+    """Displacements of a part by boundary integrals of one order."""
+
+    model: BoundaryModel
+    raster: Raster
+    coarser: None = None
+
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {"local_model": "boundary, one order", "boundary_points": self.model.panels.n}
+
+    def displacement(self, points: np.ndarray) -> np.ndarray:
+        """Displacements (k, 2) at points (k, 2), mm."""
+        return self.model.displacement(points)
+
+    def resolution(self, points: np.ndarray) -> np.ndarray:
+        """Size (k,) of the voxels that would resolve the displacements at points (k, 2) as well, mm."""
+        return self.model.panel_length(points) / VOXELS_PER_PANEL
+
+
+def solve_boundary(scene: Any) -> BoundaryField:
+    """Solve a scene by boundary integrals.
+
+    Parameters
+    ----------
+    scene : Scene
+        With ``plate``, ``part``, ``outlines``, ``material`` and ``loading``.
+
+    Raises
+    ------
+    ValueError
+        When a notch cuts the plate's edge.
+    """
+    model, lower = (BoundaryModel(scene.part, scene.material, scene.loading, p) for p in (ORDER, LOWER_ORDER))
+    return BoundaryField(model, lower, rasterised(scene))

@@ -1,0 +1,37 @@
+"""Rigid motions of a set of points, and which of them prescribed displacements leave free."""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: rigid motions whose displacements are as small, squared and against the largest, are held; round-off
+HELD = 1e-9
+
+
+def rigid_motions(points: np.ndarray) -> np.ndarray:
+    """Displacements (n, 2, 3) of points (n, 2), about 1, by motions along x and y and a turn about the middle."""
+    middle = points.mean(axis=0)
+    reach = np.abs(points - middle).max()
+    motions = np.zeros((*points.shape, 3))
+    motions[:, 0, 0] = motions[:, 1, 1] = 1.0
+    motions[:, 0, 2] = (middle[1] - points[:, 1]) / reach
+    motions[:, 1, 2] = (points[:, 0] - middle[0]) / reach
+    return motions
+
+
+def free_motions(points: np.ndarray, prescribed: np.ndarray) -> np.ndarray:
+    """Rigid motions (2 n, k) of points (n, 2) that prescribed displacements (n, 2) leave free.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> rollers = np.array([[False, True], [False, True], [False, False], [False, False]])
+    >>> free_motions(corners, rollers).round(3).reshape(4, 2, 1)[..., 0].tolist()
+    [[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 0.0]]
+    """
+    motions = rigid_motions(points)
+    if not prescribed.any():
+        return motions.reshape(-1, 3)
+    held = motions[prescribed]
+    _, size, modes = np.linalg.svd(held.T @ held)
+    return motions.reshape(-1, 3) @ modes[size <= HELD * max(size[0], 1.0)].T

@@ -1,0 +1,224 @@
+"""Boundary integrals against closed forms, published stress intensities and laws that hold for any part."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from slmm.boundary.model import BoundaryModel
+from slmm.mechanics.material import Material
+from slmm.part.outline import Outline
+from slmm.part.part import Part
+from slmm.part.shapes import circle, ellipse, polygon
+from slmm.scene.loading import Affine, Condition, Loading, plate_edges, plate_loading
+
+PMMA = Material.from_name("PMMA")
+STRAINED = Material(PMMA.E, PMMA.nu, PMMA.sigma_c, PMMA.G_c, "plane strain")
+INSIDE = np.array([[10.0, 20.0], [20.0, 30.0], [39.99, 59.9], [0.001, 0.002], [33.0, 60.0]])
+
+
+def hole(x, y, r):
+    return Outline.through(circle((x, y), r))
+
+
+def intensities(part, loading, **orders):
+    return BoundaryModel(part, PMMA, loading, **orders).stress_intensities()
+
+
+@pytest.mark.parametrize("material", [PMMA, STRAINED])
+@pytest.mark.parametrize("load", [{"strain": (0.001, 0.002, 0.003)}, {"displacement": 0.1}, {"stress": 7.0}])
+def test_a_plate_without_notches_is_uniform_up_to_its_edges(material, load):
+    model = BoundaryModel(Part.plate(40.0, 60.0), material, plate_loading(40.0, 60.0, **load))
+    stress = model.stress(INSIDE)
+    assert stress == pytest.approx(
+        np.tile(stress[0], (len(INSIDE), 1)), rel=1e-4, abs=5e-5 * np.abs(stress).max()
+    )
+    E, nu = material.plane_stress_equivalent
+    if "strain" in load:
+        e_xx, e_yy, g_xy = load["strain"]
+        exact = [
+            E / (1 - nu**2) * (e_xx + nu * e_yy),
+            E / (1 - nu**2) * (e_yy + nu * e_xx),
+            E / 2 / (1 + nu) * g_xy,
+        ]
+        x, y = INSIDE.T
+        u = np.column_stack([e_xx * x + g_xy * y / 2, g_xy * x / 2 + e_yy * y])
+        assert model.displacement(INSIDE) == pytest.approx(u, abs=1e-9)
+    else:
+        exact = [0.0, load.get("stress", E * 0.1 / 60.0), 0.0]
+    assert stress[0] == pytest.approx(exact, rel=1e-6, abs=1e-5)
+
+
+def test_kirschs_stress_at_any_depth():
+    """Half width 1000 radii, which leaves 2.5e-6."""
+    W = 2000.0
+    model = BoundaryModel(
+        Part.plate(W, W, [hole(W / 2, W / 2, 1.0)]), PMMA, plate_loading(W, W, stress=1.0), p=10
+    )
+    depth = np.array([0.0, 1e-6, 1e-4, 1e-3, 0.01, 0.1, 0.5, 2.0])
+    stress = model.stress(np.column_stack([W / 2 + 1 + depth, np.full(8, W / 2)]))
+    q = 1 / (1 + depth)
+    assert stress[:, 1] == pytest.approx(1 + q**2 / 2 + 1.5 * q**4, rel=1e-5)
+    assert stress[:, 0] == pytest.approx(1.5 * (q**2 - q**4), abs=3e-5)
+
+
+def test_inglis_stress_at_the_end_of_an_ellipse():
+    W = 8000.0
+    slot = Outline.through(ellipse((W / 2, W / 2), (4.0, 1.0), 0.0))
+    model = BoundaryModel(Part.plate(W, W, [slot]), PMMA, plate_loading(W, W, stress=1.0), p=10)
+    assert model.stress(np.array([[W / 2 + 4.0, W / 2]]))[0, 1] == pytest.approx(9.0, rel=1e-4)
+
+
+def test_an_edge_crack_a_centre_crack_and_inclined_ones():
+    edge = Part.plate(40.0, 240.0, cracks=[[(0, 120), (20, 120)]])
+    K = intensities(edge, plate_loading(40.0, 240.0, stress=1.0))
+    assert K[0, 0] / np.sqrt(20 * np.pi) == pytest.approx(2.824578, rel=1e-5)
+    assert abs(K[0, 1]) < 1e-8
+    centre = Part.plate(40.0, 120.0, cracks=[[(10, 60), (30, 60)]])
+    K = intensities(centre, plate_loading(40.0, 120.0, stress=1.0))
+    assert K[:, 0] / np.sqrt(10 * np.pi) == pytest.approx(1.1867, rel=1e-4)
+    W, angle = 2000.0, np.radians(37.0)
+    arm = np.array([np.cos(angle), np.sin(angle)])
+    inclined = Part.plate(W, W, cracks=[[W / 2 - arm, W / 2 + arm]])
+    K = intensities(inclined, plate_loading(W, W, stress=1.0)) / np.sqrt(np.pi)
+    assert K[:, 0] == pytest.approx(np.cos(angle) ** 2, rel=5e-6)
+    assert np.abs(K[:, 1]) == pytest.approx(np.sin(angle) * np.cos(angle), rel=5e-6)
+
+
+@pytest.mark.parametrize(("length", "F"), [(0.01, 3.2932), (0.1, 2.7727), (0.5, 1.7279), (2.0, 1.0307)])
+def test_one_crack_at_a_circular_hole(length, F):
+    W = 200.0
+    part = Part.plate(2 * W, 2 * W, [hole(W, W, 1.0)], [[(W + 1, W), (W + 1 + length, W)]])
+    K = intensities(part, plate_loading(2 * W, 2 * W, stress=1.0))
+    assert K[0, 0] / np.sqrt(np.pi * length) == pytest.approx(F, rel=2e-4)
+
+
+def test_a_star_of_cracks_that_meet_or_cross():
+    a, side = 5.0, 800.0
+    c = side / 2
+    along, up, down = [(c - a, c), (c + a, c)], [(c, c), (c, c + a)], [(c, c), (c, c - a)]
+    bottom, right, top, left = plate_edges(side, side)
+    pulls = ((bottom, (0.0, -1.0)), (right, (1.0, 0.0)), (top, (0.0, 1.0)), (left, (-1.0, 0.0)))
+    loading = Loading(tuple(Condition(*edge, traction=traction) for edge, traction in pulls))
+    for cracks in ([along, up, down], [along, [up[1], down[1]]]):
+        K = intensities(Part.plate(side, side, cracks=cracks), loading)
+        assert K[:, 0] / np.sqrt(np.pi * a) == pytest.approx(0.8636, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "angle", "share", "G"),
+    [
+        (0.25, 25.86, 1e-3, 1.10119),
+        (0.25, 25.86, 1e-4, 1.10762),
+        (0.5, 42.03, 1e-3, 1.31475),
+        (0.5, 42.03, 1e-4, 1.32774),
+    ],
+)
+def test_a_short_kink_releases_what_amestoy_and_leblond_say(ratio, angle, share, G):
+    W, slope = 2000.0, np.arctan(ratio)
+    arm = np.array([np.cos(slope), np.sin(slope)])
+    loading = plate_loading(W, W, stress=1.0)
+    tip = W / 2 + arm
+    straight = intensities(Part.plate(W, W, cracks=[[W / 2 - arm, tip]]), loading)[1]
+    turned = slope - np.sign(straight[1]) * np.radians(angle)
+    kink = tip + share * np.array([np.cos(turned), np.sin(turned)])
+    kinked = intensities(Part.plate(W, W, cracks=[[W / 2 - arm, tip, kink]]), loading)[1]
+    assert (kinked @ kinked) / (straight @ straight) == pytest.approx(G, rel=3e-4)
+
+
+THREE = [hole(28, 44, 6.0), hole(46, 30, 5.0), hole(70, 60, 7.0)]
+
+
+def test_orders_converge_and_reactions_balance():
+    part = Part.plate(100.0, 100.0, THREE, [[(0, 50), (15, 50)]])
+    loading = plate_loading(100.0, 100.0, displacement=0.1)
+    models = [BoundaryModel(part, PMMA, loading, p, c) for p, c in ((6, 4), (8, 6), (12, 8))]
+    K = np.array([model.stress_intensities()[0] for model in models])
+    assert np.abs(K[0] - K[2]).max() < 2e-4 * K[2, 0] and np.abs(K[1] - K[2]).max() < 1e-6 * K[2, 0]
+    bottom, top = loading
+    force = [model.reaction(top)[1] for model in models]
+    assert force[1] == pytest.approx(force[2], rel=1e-7)
+    assert models[2].reaction(bottom) == pytest.approx(-models[2].reaction(top), rel=1e-5)
+
+
+def test_the_energy_that_growth_releases_is_that_of_the_intensities():
+    """G = -1/2 u^2 dS/da at a given displacement."""
+    loading = plate_loading(100.0, 100.0, displacement=0.1)
+    top = loading.conditions[1]
+    forces, step = [], 0.05
+    for a in (15.0 - step, 15.0, 15.0 + step):
+        model = BoundaryModel(Part.plate(100.0, 100.0, THREE, [[(0, 50), (a, 50)]]), PMMA, loading, 10, 8)
+        forces.append(model.reaction(top)[1])
+        if a == 15.0:
+            K = model.stress_intensities()[0]
+    released = 0.5 * 0.1 * (forces[0] - forces[2]) / (2 * step)
+    assert released == pytest.approx(K @ K / PMMA.E, rel=1e-4)
+
+
+@settings(max_examples=5, deadline=None)
+@given(
+    x=st.floats(20, 80),
+    y=st.floats(20, 80),
+    radius=st.floats(3, 12),
+    e=st.tuples(*[st.floats(-1e-2, 1e-2)] * 3),
+)
+def test_turning_mirroring_and_scaling_do_the_same_to_the_stress(x, y, radius, e):
+    def stress(part, loading, points):
+        return BoundaryModel(part, PMMA, loading).stress(np.atleast_2d(points))[0]
+
+    if max(np.abs(e)) < 1e-4:
+        return
+    at = np.array([x + 1.3 * radius, y])
+    e_xx, e_yy, g = e
+    own = stress(Part.plate(100.0, 100.0, [hole(x, y, radius)]), plate_loading(100.0, 100.0, e), at)
+    turned = stress(
+        Part.plate(100.0, 100.0, [hole(100 - y, x, radius)]),
+        plate_loading(100.0, 100.0, (e_yy, e_xx, -g)),
+        [100 - at[1], at[0]],
+    )
+    scale = 1e-5 * PMMA.E * np.abs(e).max()
+    assert turned[[1, 0, 2]] * [1, 1, -1] == pytest.approx(own, abs=scale)
+    mirrored = stress(
+        Part.plate(100.0, 100.0, [hole(100 - x, y, radius)]),
+        plate_loading(100.0, 100.0, (e_xx, e_yy, -g)),
+        [100 - at[0], at[1]],
+    )
+    assert mirrored * [1, 1, -1] == pytest.approx(own, abs=scale)
+    larger = stress(
+        Part.plate(700.0, 700.0, [hole(7 * x, 7 * y, 7 * radius)]), plate_loading(700.0, 700.0, e), 7 * at
+    )
+    assert larger == pytest.approx(own, abs=scale)
+
+
+def test_half_a_plate_with_its_plane_of_symmetry_is_the_whole():
+    whole = Part.plate(80.0, 100.0, [hole(20, 30, 6.0), hole(60, 30, 6.0)])
+    half = Part.plate(40.0, 100.0, [hole(20, 30, 6.0)])
+    bottom, _, top, _ = plate_edges(40.0, 100.0)
+    right = ((40.0, 0.0), (40.0, 100.0))
+    pulled = (Condition(*bottom, traction=(0.0, -1.0)), Condition(*top, traction=(0.0, 1.0)))
+    symmetric = Loading((Condition(*right, (Affine(), None)), *pulled))
+    points = np.array([[26.0, 30.0], [39.0, 60.0], [5.0, 90.0]])
+    one = BoundaryModel(half, PMMA, symmetric).stress(points)
+    both = BoundaryModel(whole, PMMA, plate_loading(80.0, 100.0, stress=1.0)).stress(points)
+    assert one == pytest.approx(both, abs=2e-5)
+
+
+def test_a_sharp_corner_has_its_power_law():
+    """Stress goes with r^(0.5445 - 1) on the bisector of a right angle."""
+    square = Outline.of_pieces(polygon(np.array([[35.0, 35], [65, 35], [65, 65], [35, 65]]), 0.0))
+    model = BoundaryModel(
+        Part.plate(100.0, 100.0, [square]), PMMA, plate_loading(100.0, 100.0, (1e-3, 1e-3, 0.0))
+    )
+    r = np.array([0.01, 0.02])
+    stress = model.stress(65 + r[:, None] / np.sqrt(2) * [1, 1])[:, 1]
+    assert np.log(stress[1] / stress[0]) / np.log(2) == pytest.approx(-0.4555, abs=0.005)
+
+
+def test_what_it_does_not_do_is_refused():
+    loading = plate_loading(100.0, 100.0, stress=1.0)
+    with pytest.raises(
+        ValueError, match=r"holes\[0\] cuts the outer edge: boundary integrals do holes inside"
+    ):
+        BoundaryModel(Part.plate(100.0, 100.0, [hole(0, 50, 10)]), PMMA, loading)
+    with pytest.raises(ValueError, match="the cracks sever the part, in 2 pieces"):
+        BoundaryModel(Part.plate(100.0, 100.0, cracks=[[(0, 50), (100, 50)]]), PMMA, loading)
