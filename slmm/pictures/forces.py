@@ -13,7 +13,7 @@ from matplotlib.patches import Circle
 
 from slmm.mechanics.element_results import ElementResults
 from slmm.mechanics.elements import element_named
-from slmm.pictures.initiation import CRITICAL, PALETTE, STRESS_COLOURS, STYLE
+from slmm.pictures.style import CRITICAL, PALETTE, STRESS_COLOURS, STYLE
 
 #: forces below this share of the largest one are not drawn
 SMALLEST_ARROW = 1e-3

@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from slmm.optimization.cantilever.beam import HEIGHT, LENGTH, Cantilever
-from slmm.pictures.initiation import CRITICAL, PALETTE, STYLE
+from slmm.pictures.style import CRITICAL, PALETTE, STYLE
 
 #: the largest displacement is drawn as long as this share of the beam's height
 DRAWN = 0.35
