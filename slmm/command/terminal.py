@@ -60,6 +60,11 @@ def table_box(out: Console) -> Box:
     return SIMPLE_HEAD if out.encoding.startswith("utf") else ASCII_HEAD
 
 
+def number_text(value: float | None, digits: str) -> str:
+    """A number in a table; a dash where there is none."""
+    return "-" if value is None else format(value, digits)
+
+
 def errors() -> Console:
     """For what is not a result."""
     return _Plain(stderr=True)
