@@ -10,7 +10,6 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 import numpy as np
 import xarray as xr
 
-from slmm import __version__
 from slmm.fracture.configurational_forces import nodal_configurational_forces
 from slmm.fracture.contour_integrals import j_vector, stress_intensities
 from slmm.fracture.face_traction import loaded_faces
@@ -26,6 +25,7 @@ from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import ElementResults
 from slmm.mechanics.elements import element_named
 from slmm.results.internal_forces import nodal_internal_forces
+from slmm.running.labelled import labelled
 
 #: the smallest domain around a tip: in edges of the elements there, and as a share of what is clear
 FEWEST_EDGES, SMALLEST = 4, 0.1
@@ -115,8 +115,8 @@ def as_dataset(tips: Sequence[TipLoading], contours: int) -> xr.Dataset:
         values = np.empty(shape, dtype=object if name == "status" else float)
         for k, tip in enumerate(tips):
             values[k] = getattr(tip, name)
-        data[name] = (("tip", *known.dims), values, {"units": known.units, "long_name": known.long_name})
-    return xr.Dataset(data, coords={"criterion": list(CRITERIA)})
+        data[name] = (("tip", *known.dims), values, known.units, known.long_name)
+    return labelled(data).assign_coords(criterion=list(CRITERIA))
 
 
 def crack_tip_loading(
@@ -187,7 +187,6 @@ def crack_tip_loading(
     internal = (nodal_internal_forces(results), nodal_internal_forces(replace(results, method="linear")))
     known = [tip_loading(results, forces, internal, tip, contours) for tip in own]
     return as_dataset(known, contours).assign_attrs(
-        version=__version__,
         stresses=results.source,
         method=results.method,
         symmetry=", ".join(symmetry),

@@ -9,22 +9,18 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from precompute import v_notch
-from precompute.v_notch import (
+from precompute import v_notch, v_notch_solution
+from precompute.v_notch import app, assemble, write
+from precompute.v_notch_mesh import halved, rounded_body, sharp_body
+from precompute.v_notch_solution import (
     NotchResult,
-    NotchSpec,
-    app,
-    assemble,
     extrapolated,
-    halved,
     released_energy,
-    rounded_body,
     rounded_notch,
-    sharp_body,
     sharp_release,
     solve_notch,
-    write,
 )
+from precompute.v_notch_spec import NotchSpec
 from slmm.initiation.v_notch_table import load_v_notches, read_v_notches
 from slmm.mechanics.williams import release_coefficient, singular_exponent
 from slmm.running.model_file import shipped
@@ -55,7 +51,7 @@ def test_energy_errs_in_proportion_to_the_element_size():
 def test_poissons_ratio_does_not_matter(monkeypatch):
     coarse = replace(COARSE, step=0.3)
     reference = solve_notch(RIGHT, coarse)
-    monkeypatch.setattr(v_notch, "NU", 0.0)
+    monkeypatch.setattr(v_notch_solution, "NU", 0.0)
     other = solve_notch(RIGHT, coarse)
     assert other.release == pytest.approx(reference.release, rel=5e-3)
     assert other.stress == pytest.approx(reference.stress, abs=2e-3)
