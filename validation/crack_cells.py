@@ -7,26 +7,22 @@ from __future__ import annotations
 
 import argparse
 import csv
-import resource
-import tempfile
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
 import numpy as np
-import scipy.sparse.linalg as spla
+from crack_cell_speed import Row, speed_study
+from crack_cell_states import fitted_states, released, stress_error
 from numpy.polynomial import legendre
 from rich.console import Console
 from rich.table import Table
 from scipy.interpolate import BarycentricInterpolator
 from threadpoolctl import threadpool_limits
 
-from precompute.crack_cell import HALF_HEIGHT, CellResult, cell_body, right_edge, solve_cell
+from precompute.crack_cell import CellResult, solve_cell
 from precompute.grading import Fineness
 from precompute.modes import Mode
 from precompute.spec import SweepSpec
-from precompute.sweep import run_sweep
 from precompute.unbounded import unbounded_compliance
 from slmm.initiation.meta_model import load_meta_model
 
@@ -36,64 +32,6 @@ import matplotlib.pyplot as plt
 RESULTS = Path(__file__).parent / "results"
 SPEC = SweepSpec()
 LENGTHS = np.array(SPEC.crack_length)
-#: angles between the tension and the tangent at the mouth, degrees; at 60 a hole has no stress there
-ANGLES = (0.0, 20.0, 45.0)
-
-Row = dict[str, float | str]
-
-
-def kirsch(
-    xi: np.ndarray, eta: np.ndarray, curvature: float, nu: float, angle: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement around Kirsch's hole under tension 1, E = 1, the mouth of the crack on its rim."""
-    turn = np.radians(angle)
-    c, s = np.cos(turn), np.sin(turn)
-    R = -0.5 / curvature
-    x, y = c * xi + s * (eta + R), -s * xi + c * (eta + R)
-    r, t = np.hypot(x, y), np.arctan2(y, x)
-    kappa, shear = (3 - nu) / (1 + nu), 0.5 / (1 + nu)
-    hole = 2 * (R**2 / r - R**4 / r**3)
-    u = (r + 2 * R**2 / r) * (kappa + 1) * np.cos(t) + hole * np.cos(3 * t)
-    v = (r * (kappa - 3) + 2 * R**2 / r * (1 - kappa)) * np.sin(t) + hole * np.sin(3 * t)
-    return (c * u - s * v) / (8 * shear), (s * u + c * v) / (8 * shear)
-
-
-def physical_fields(
-    xi: np.ndarray, eta: np.ndarray, curvature: float, nu: float
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Displacements that leave the curved side free, where there is such a formula.
-
-    At a hole they are Kirsch's, else tension along the tangent and tension that falls with the depth, which
-    are exact for a flat side.
-    """
-    if curvature < 0:
-        return [kirsch(xi, eta, curvature, nu, angle) for angle in ANGLES]
-    tension, bending = (xi, -nu * eta), (xi * eta, -(nu * eta**2 + xi**2) / 2)
-    return [tension, (tension[0] - 0.5 * bending[0], tension[1] - 0.5 * bending[1])]
-
-
-def fitted_states(curvature: float, nu: float, modes: list[Mode]) -> np.ndarray:
-    """Mode amplitudes (n_states, m) fitted to the fields on the three straight edges."""
-    t = np.linspace(-1, 1, 61)
-    end = right_edge(curvature)
-    sides = [np.stack([np.full(61, xi), curvature + (end - curvature) * (t + 1) / 2]) for xi in (-1.0, 1.0)]
-    xi, eta = np.concatenate([*sides, np.stack([t * HALF_HEIGHT, np.full(61, end)])], axis=1)
-    basis = np.concatenate(
-        [np.stack([(m.direction == d) * m(xi, eta) for m in modes], axis=1) for d in (0, 1)]
-    )
-    fields = np.stack([np.concatenate(field) for field in physical_fields(xi, eta, curvature, nu)], axis=1)
-    return np.linalg.lstsq(basis, fields, rcond=None)[0].T
-
-
-def released(Psi: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Energy (n_lengths, n_states) released by every crack."""
-    return 0.5 * np.einsum("sm,amn,sn->as", states, Psi, states)
-
-
-def stress_error(ours: np.ndarray, reference: np.ndarray, states: np.ndarray) -> float:
-    """Largest difference of any component, relative to the largest stress of the state, over all states."""
-    a, b = (np.einsum("sm,mce->sce", states, T) for T in (ours, reference))
-    return float(np.max(np.abs(a - b).max(axis=(1, 2)) / np.abs(b).max(axis=(1, 2))))
 
 
 def solve(curvature: float, nu: float, fineness: Fineness) -> CellResult:
@@ -170,88 +108,6 @@ def compliance_study(curvatures: tuple[float, ...]) -> list[Row]:
             p = legendre.legvander(x, orders - 1).T @ (w * nodal(a * (x + 1) / 2)) * (np.arange(orders) + 0.5)
             error.append(abs(G[k] / (0.5 * a * p @ exact[k] @ p) - 1))
         rows.append({"curvature": curvature, "G_inc error": float(max(error))})
-    return rows
-
-
-def cpu(work: Callable[[], object]) -> float:
-    begin = time.process_time()
-    work()
-    return time.process_time() - begin
-
-
-def naive_cell(curvature: float, nu: float, spec: SweepSpec, lengths: np.ndarray, way: str) -> float:
-    """CPU seconds of one factorisation for each crack length and symmetry, on the same mesh.
-
-    ``way`` is "ordered" (assembled once, the ordering that suits best), "jobs" (the same, but meshed and
-    assembled anew for every crack length, as a job for each does) or "plain" (as "jobs" with the default
-    ordering of scipy).
-    """
-    total = 0.0
-    stored = np.array(spec.crack_length)
-    body = cell_body(curvature, stored, spec.fineness)
-    K = body.stiffness(nu)
-    for a in lengths:
-        if way != "ordered":
-            begin = time.process_time()
-            body = cell_body(curvature, stored, spec.fineness)
-            K = body.stiffness(nu)
-            total += time.process_time() - begin
-        for d in (0, 1):
-            begin = time.process_time()
-            held = body.held.copy()
-            line = np.flatnonzero(body.free)[body.line[d]]
-            held[line[body.line_eta >= a * (1 - 1e-9)]] = True
-            modes = [mode for mode in spec.mode_list if mode.symmetric == (d == 0)]
-            u = np.stack(
-                [body.held * (body.direction == mode.direction) * mode(*body.where) for mode in modes], axis=1
-            )
-            free = ~held
-            K_free = K[free][:, free].tocsc()
-            if way == "plain":
-                lu = spla.splu(K_free)
-            else:
-                lu = spla.splu(
-                    K_free,
-                    permc_spec="MMD_AT_PLUS_A",
-                    diag_pivot_thresh=0.0,
-                    options={"SymmetricMode": True},
-                )
-            u[free] = -lu.solve((K @ u)[free])
-            u.T @ (K @ u)
-            total += time.process_time() - begin
-    return total
-
-
-def speed_study(quick: bool) -> list[Row]:
-    """The sweep of one material: 16 curvatures, the published 16 modes, 10 lengths."""
-    lengths = tuple(np.geomspace(0.02, 1.0, 10).round(6).tolist())
-    spec = SweepSpec(poisson=(0.3,), modes="published", crack_length=lengths)
-    with tempfile.TemporaryDirectory() as folder:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        begin = time.perf_counter()
-        run_sweep(spec, Path(folder), workers=2)
-        wall = time.perf_counter() - begin
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    rows: list[Row] = [
-        {"what": "whole sweep on 2 processes, with the unbounded bodies: wall", "seconds": wall},
-        {"what": "whole sweep: CPU", "seconds": used},
-    ]
-    some = spec.curvature[::5] if quick else spec.curvature
-    scale = len(spec.curvature) / len(some)
-    arguments = (np.array(lengths), spec.eta, spec.mode_list, spec.fineness)
-    solve_cell(0.0, 0.3, *arguments)  # first call loads libraries
-    ours = scale * sum(cpu(lambda c=c: solve_cell(c, 0.3, *arguments)) for c in some)
-    rows.append({"what": "all crack cells, every length from one factor: CPU", "seconds": ours})
-    tried = np.array(lengths[4:5] if quick else lengths[::3])
-    every = (1 + len(lengths)) / len(tried)  # and the cell without a crack
-    for way, label in (
-        ("ordered", "a factorisation per length and symmetry, assembled once, best ordering: CPU"),
-        ("jobs", "a factorisation per length and symmetry, a model for each length: CPU"),
-        ("plain", "the same with scipy's default ordering: CPU"),
-    ):
-        naive = len(spec.curvature) * every * np.mean([naive_cell(c, 0.3, spec, tried, way) for c in (-0.5,)])
-        rows.append({"what": label, "seconds": float(naive), "ratio": float(naive / ours)})
     return rows
 
 
