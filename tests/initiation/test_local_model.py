@@ -6,6 +6,7 @@ import pytest
 
 from slmm.initiation.local_model import bilinear, grid_size, solve_local_model
 from slmm.mechanics.material import Material
+from slmm.part.shapes import circle
 from slmm.scene.loading import plate_loading
 
 
@@ -31,9 +32,8 @@ def plate(load=None, thickness=1.0, void=1e-6, material=None, outlines=(HOLE,)):
     )
 
 
-def on_the_hole(distance=0.0, n=90):
-    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
-    return 50 + (20 + distance) * np.stack([np.cos(t), np.sin(t)], -1)
+def on_the_hole(distance=0.0):
+    return circle((50, 50), 20 + distance)[::4]
 
 
 def test_displacements_converge_with_the_voxels():

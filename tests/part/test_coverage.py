@@ -5,11 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slmm.part.coverage import area_fraction
-
-
-def circle(x, y, r, n=400):
-    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
-    return np.stack([x + r * np.cos(t), y + r * np.sin(t)], -1)
+from slmm.part.shapes import circle
 
 
 def by_clipping(polygons, width, height, nx, ny):
@@ -50,15 +46,15 @@ def test_polygon_that_covers_the_plate_and_no_polygon():
 
 
 def test_circle_area_is_that_of_its_polygon():
-    polygon = circle(50, 50, 20)
+    polygon = circle((50, 50), 20)
     covered = area_fraction([polygon], 100.0, 100.0, 250, 250)
     assert covered.sum() * 0.16 == pytest.approx(shapely.Polygon(polygon).area, rel=1e-12)
     assert covered[125, 125] == pytest.approx(1, abs=1e-12)
 
 
 def test_overlap_counts_once():
-    covered = area_fraction([circle(4, 5, 2), circle(5, 5, 2), circle(5, 5, 1)], 10.0, 10.0, 20, 20)
-    union = shapely.union(shapely.Polygon(circle(4, 5, 2)), shapely.Polygon(circle(5, 5, 2)))
+    covered = area_fraction([circle((4, 5), 2), circle((5, 5), 2), circle((5, 5), 1)], 10.0, 10.0, 20, 20)
+    union = shapely.union(shapely.Polygon(circle((4, 5), 2)), shapely.Polygon(circle((5, 5), 2)))
     assert covered.sum() / 4 == pytest.approx(union.area, rel=1e-12)
 
 

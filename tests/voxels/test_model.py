@@ -5,17 +5,13 @@ from hypothesis import strategies as st
 from voxel_reference import assemble, load, solve_directly
 
 from slmm.part.coverage import area_fraction
+from slmm.part.shapes import circle
 from slmm.voxels.element import coefficients, element_matrix, largest_eigenvalue
 from slmm.voxels.model import NotConvergedError, NotHeldError, solve_voxels
 
 LOADS = [load(strain=(0.01, 0.02, -0.03)), load(displacement=0.1), load(stress=10.0)]
 NAMES = ["strain", "displacement", "stress"]
 SIZES = [(16, 16), (17, 31), (45, 40), (64, 21), (2, 5), (33, 70)]
-
-
-def circle(x, y, r, n=2000):
-    t = np.linspace(0, 2 * np.pi, n, endpoint=False)
-    return np.stack([x + r * np.cos(t), y + r * np.sin(t)], -1)
 
 
 def with_void(holes, void):
@@ -69,7 +65,7 @@ def test_equals_direct_solution_on_random_grids(nx, ny, seed, exponent, nu, whic
 
 
 def test_turned_and_mirrored_plates_move_alike():
-    holes = area_fraction([circle(30, 55, 14), circle(70, 30, 9)], 100, 100, 77, 77)
+    holes = area_fraction([circle((30, 55), 14), circle((70, 30), 9)], 100, 100, 77, 77)
     stiffness = with_void(holes, 1e-6)
     u = solve_voxels(stiffness, 100, 100, 0.3, load(strain=(0.01, 0.1, 0.02)), tol=1e-11).u
     turned = solve_voxels(stiffness.T, 100, 100, 0.3, load(strain=(0.1, 0.01, 0.02)), tol=1e-11).u
@@ -83,7 +79,7 @@ def test_turned_and_mirrored_plates_move_alike():
 
 
 def test_scaling_the_plate_scales_displacements_and_E_divides_them():
-    stiffness = with_void(area_fraction([circle(5, 5, 2)], 10, 10, 40, 40), 1e-6)
+    stiffness = with_void(area_fraction([circle((5, 5), 2)], 10, 10, 40, 40), 1e-6)
     u = solve_voxels(stiffness, 10, 10, 0.3, load(stress=5.0), E=100.0).u
     assert difference(solve_voxels(stiffness, 30, 30, 0.3, load(stress=5.0), E=100.0).u, 3 * u) < 1e-7
     assert difference(solve_voxels(stiffness, 10, 10, 0.3, load(stress=-5.0), E=200.0).u, -u / 2) < 1e-12
@@ -92,7 +88,7 @@ def test_scaling_the_plate_scales_displacements_and_E_divides_them():
 @pytest.mark.parametrize("loaded", LOADS, ids=NAMES)
 @pytest.mark.parametrize("n", [100, 200, 333])
 def test_circular_hole_takes_few_iterations_whatever_the_grid(n, loaded):
-    stiffness = with_void(area_fraction([circle(50, 50, 20)], 100, 100, n, n), 1e-6)
+    stiffness = with_void(area_fraction([circle((50, 50), 20)], 100, 100, n, n), 1e-6)
     solution = solve_voxels(stiffness, 100, 100, 0.35, loaded)
     assert solution.iterations <= 13
     assert solution.converged and solution.residual <= 1e-8
@@ -101,14 +97,14 @@ def test_circular_hole_takes_few_iterations_whatever_the_grid(n, loaded):
 @pytest.mark.parametrize("void", [1e-2, 1e-6, 1e-9])
 def test_sixty_overlapping_holes(void):
     rng = np.random.default_rng(1)
-    holes = [circle(rng.uniform(0, 100), rng.uniform(8, 92), rng.uniform(2, 6), 200) for _ in range(60)]
+    holes = [circle((rng.uniform(0, 100), rng.uniform(8, 92)), rng.uniform(2, 6)) for _ in range(60)]
     stiffness = with_void(area_fraction(holes, 100, 100, 300, 300), void)
     for loaded, limit in zip(LOADS, (25, 30, 35), strict=True):
         assert solve_voxels(stiffness, 100, 100, 0.35, loaded).iterations <= limit
 
 
 def test_ligament_of_one_voxel_between_two_holes():
-    holes = area_fraction([circle(29.75, 50.25, 20), circle(70.75, 50.25, 20)], 100, 100, 200, 200)
+    holes = area_fraction([circle((29.75, 50.25), 20), circle((70.75, 50.25), 20)], 100, 100, 200, 200)
     assert solve_voxels(with_void(holes, 1e-9), 100, 100, 0.35, LOADS[0]).iterations <= 25
 
 
@@ -118,7 +114,7 @@ def test_ligament_of_one_voxel_between_two_holes():
 def test_plates_that_hardly_change_their_area_converge_too(nx, ny, loaded, nu):
     rng = np.random.default_rng(nx)
     holes = [
-        circle(rng.uniform(0, nx), rng.uniform(0.3, 0.7) * ny, 0.15 * min(nx, ny), 200) for _ in range(6)
+        circle((rng.uniform(0, nx), rng.uniform(0.3, 0.7) * ny), 0.15 * min(nx, ny)) for _ in range(6)
     ]
     stiffness = with_void(area_fraction(holes, nx, ny, nx, ny), 1e-6)
     solution = solve_voxels(stiffness, nx, ny, nu, loaded)
@@ -129,7 +125,7 @@ def test_plates_that_hardly_change_their_area_converge_too(nx, ny, loaded, nu):
 
 @pytest.mark.parametrize("loaded", LOADS, ids=NAMES)
 def test_a_large_plate_converges_without_overflow(loaded):
-    holes = [circle(30, 40, 12), circle(70, 60, 8), circle(62, 59, 3)]
+    holes = [circle((30, 40), 12), circle((70, 60), 8), circle((62, 59), 3)]
     stiffness = with_void(area_fraction(holes, 100, 100, 1100, 1300), 1e-6)
     solution = solve_voxels(stiffness, 100, 100, 0.35, loaded, E=1e3)
     assert solution.iterations <= 30 and solution.residual <= 1e-8
@@ -139,7 +135,7 @@ def test_a_large_plate_converges_without_overflow(loaded):
 @pytest.mark.parametrize("larger", [1e-9, 1e9])
 @pytest.mark.parametrize("loaded", [1e-9, 1e9])
 def test_units_far_from_one_change_neither_iterations_nor_digits(E, larger, loaded):
-    stiffness = with_void(area_fraction([circle(50, 50, 20)], 100, 100, 60, 60), 1e-6)
+    stiffness = with_void(area_fraction([circle((50, 50), 20)], 100, 100, 60, 60), 1e-6)
     reference = solve_voxels(stiffness, 100, 100, 0.35, load(stress=10.0), E=1e3)
     side, stress = 100 * larger, 10 * loaded
     scaled = solve_voxels(1e-5 * stiffness, side, side, 0.35, load(stress=stress), E=E)
@@ -156,7 +152,7 @@ def test_material_that_nothing_holds_is_refused():
 
 
 def test_stress_acts_on_the_material_of_a_cut_edge_only():
-    stiffness = with_void(area_fraction([circle(50, 0, 15), circle(50, 100, 15)], 100, 100, 40, 40), 1e-6)
+    stiffness = with_void(area_fraction([circle((50, 0), 15), circle((50, 100), 15)], 100, 100, 40, 40), 1e-6)
     u = solve_voxels(stiffness, 100, 100, 0.3, load(stress=10.0), E=1000.0, tol=1e-10).u
     assert difference(u, solve_directly(stiffness, 100, 100, 0.3, load(stress=10.0), 1000.0)) < 1e-7
     forces = (assemble(stiffness, 100, 100, 0.3) @ u.ravel()).reshape(u.shape) * 1000
@@ -164,19 +160,19 @@ def test_stress_acts_on_the_material_of_a_cut_edge_only():
 
 
 def test_stress_out_of_equilibrium_is_refused():
-    stiffness = with_void(area_fraction([circle(50, 100, 15)], 100, 100, 40, 40), 1e-6)
+    stiffness = with_void(area_fraction([circle((50, 100), 15)], 100, 100, 40, 40), 1e-6)
     with pytest.raises(ValueError, match="equilibrium"):
         solve_voxels(stiffness, 100, 100, 0.3, load(stress=10.0))
 
 
 def test_same_bits_every_time():
-    stiffness = with_void(area_fraction([circle(50, 50, 20)], 100, 100, 90, 90), 1e-6)
+    stiffness = with_void(area_fraction([circle((50, 50), 20)], 100, 100, 90, 90), 1e-6)
     first, second = (solve_voxels(stiffness, 100, 100, 0.35, LOADS[0]).u for _ in range(2))
     assert np.array_equal(first, second)
 
 
 def test_giving_up_is_an_error():
-    stiffness = with_void(area_fraction([circle(50, 50, 20)], 100, 100, 90, 90), 1e-6)
+    stiffness = with_void(area_fraction([circle((50, 50), 20)], 100, 100, 90, 90), 1e-6)
     with pytest.raises(NotConvergedError, match="after 2 iterations"):
         solve_voxels(stiffness, 100, 100, 0.35, LOADS[0], max_iterations=2)
 
