@@ -113,9 +113,7 @@ def test_ligament_of_one_voxel_between_two_holes():
 @pytest.mark.parametrize(("nx", "ny"), [(58, 325), (200, 150), (900, 20)])
 def test_plates_that_hardly_change_their_area_converge_too(nx, ny, loaded, nu):
     rng = np.random.default_rng(nx)
-    holes = [
-        circle((rng.uniform(0, nx), rng.uniform(0.3, 0.7) * ny), 0.15 * min(nx, ny)) for _ in range(6)
-    ]
+    holes = [circle((rng.uniform(0, nx), rng.uniform(0.3, 0.7) * ny), 0.15 * min(nx, ny)) for _ in range(6)]
     stiffness = with_void(area_fraction(holes, nx, ny, nx, ny), 1e-6)
     solution = solve_voxels(stiffness, nx, ny, nu, loaded)
     assert solution.iterations <= 60
