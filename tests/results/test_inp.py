@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from slmm.mechanics.elasticity import Elasticity
 from slmm.results.inp import read_inp
-from slmm.results.inp_lines import real
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -222,25 +221,6 @@ def test_what_is_wrong_is_named_with_file_and_line(old, new, message, written):
 def test_what_is_wrong_in_an_included_file_is_named_there(old, new, message, written):
     with pytest.raises(ValueError, match=message):
         read_inp(written(elements=ELEMENTS.replace(old, new)))
-
-
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("2.1d5", 2.1e5), ("1.57D0", 1.57), ("1.5D+0", 1.5), ("1.5+3", 1500), ("-.5-1", -0.05), ("5.", 5), ("+3", 3),
-        ("1Q2", 100), ("1.e-2", 0.01), (" 7 ", 7),
-    ],
-)  # fmt: skip
-def test_numbers_are_read_as_fortran_reads_them(text, value):
-    assert real(text) == pytest.approx(value, rel=1e-15)
-
-
-@pytest.mark.parametrize(
-    "text", ["", "d5", "1.5+", "1e", "inf", "nan", "1_0", "0x1", "1.5e3.2", "1 2", "--1"]
-)
-def test_what_fortran_does_not_read_is_no_number(text):
-    with pytest.raises(ValueError, match="is no finite number"):
-        real(text)
 
 
 def test_what_stands_before_the_first_keyword_is_passed_over_and_no_keyword_at_all_is_refused(
