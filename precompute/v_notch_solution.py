@@ -13,6 +13,7 @@ from precompute.half_body import HalfBody
 from precompute.v_notch_mesh import rounded_body, sharp_body
 from precompute.v_notch_spec import NotchSpec
 from slmm.mechanics.crack_line import crack_factor
+from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.williams import release_coefficient, singular_exponent, williams_fields
 
 #: Poisson's ratio of the models; no result depends on it
@@ -65,18 +66,13 @@ def released_energy(
     return energy[::2], u  # the tip at an element end: nodes before it, those in the middle of elements too
 
 
-def extrapolated(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
-    """Value for vanishing element size, from two sizes of ratio 2 and an error linear in the size."""
-    return 2 * fine - coarse
-
-
 def sharp_release(opening: float, symmetric: bool, spec: NotchSpec) -> float:
     """Release coefficient E' B of a sharp notch by finite elements."""
     energy = []
     for fine in (False, True):
         body, tip = sharp_body(opening, spec, fine)
         energy.append(released_energy(body, opening, 0.0, symmetric)[0][tip])
-    return float(extrapolated(*energy))
+    return float(extrapolated(*energy, order=1)[0])
 
 
 def rounded_notch(opening: float, spec: NotchSpec) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -102,7 +98,7 @@ def rounded_notch(opening: float, spec: NotchSpec) -> tuple[np.ndarray, np.ndarr
     length = tips[::2]
     keep = length > spec.shortest * (1 - 1e-9)
     a = length[keep]
-    release = extrapolated(energies[0], energies[1][::2])[keep] / a**2
+    release = extrapolated(energies[0], energies[1][::2], order=1)[0][keep] / a**2
     distance = np.concatenate([[0.0], a])
     stress = bisector_stress(body, u, singular_exponent(opening), distance)
     root = release_coefficient(math.pi) * stress[0, 0] ** 2
