@@ -13,6 +13,7 @@ from chart_truth import POSITIONS
 from checks import at_spread_positions
 
 from slmm import Scene, failure_indices
+from slmm.criteria.coupled_curves import Coupled
 from slmm.initiation.by_cells import voxel_count
 from slmm.initiation.by_dislocations import body_fitted_model, dislocations_on
 from slmm.initiation.paths import trial_paths
@@ -64,7 +65,7 @@ def with_voxels(factor: float) -> Callable[[Scene], xr.Dataset]:
 def task_of(scene: Scene) -> Task:
     where = find_positions(scene, POSITIONS)
     paths = trial_paths(scene, where)
-    return Task(scene, where, paths, False, 0.02, DEFAULT, Path(), None, lambda fraction, text: None)
+    return Task(scene, where, paths, Coupled(), 0.02, DEFAULT, Path(), None, lambda fraction, text: None)
 
 
 def with_mesh(coarseness: float) -> Callable[[Scene], xr.Dataset]:
