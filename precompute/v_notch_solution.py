@@ -72,7 +72,7 @@ def sharp_release(opening: float, symmetric: bool, spec: NotchSpec) -> float:
     for fine in (False, True):
         body, tip = sharp_body(opening, spec, fine)
         energy.append(released_energy(body, opening, 0.0, symmetric)[0][tip])
-    return float(extrapolated(*energy, order=1)[0])
+    return float(extrapolated(energy[0], energy[1], order=1)[0])
 
 
 def rounded_notch(opening: float, spec: NotchSpec) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
