@@ -120,8 +120,7 @@ class MetaModel:
     @property
     def symmetric(self) -> np.ndarray:
         """Which modes are their own mirror image about the crack line."""
-        direction, p = self.powers[:, 0], self.powers[:, 1]
-        return (p % 2 == 1) == (direction == 0)
+        return _symmetric(self.powers)
 
     def path_stress(self, curvature: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Stress xi-xi, eta-eta, xi-eta at ``eta`` (n, 3, n_eta) for amplitudes (n, m), MPa (Eq. 11)."""
@@ -239,6 +238,7 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
         )
     stored = cells["poisson"].values
     K, T = cells["K"].values, cells["stress"].values
+    powers = np.stack([cells[name].values for name in ("mode_direction", "mode_p", "mode_q")], axis=1)
     nearest = int(np.argmin(np.abs(stored - nu)))
     if abs(stored[nearest] - nu) < 1e-9:
         K0, Psi, stress = _without_rigid(
@@ -251,8 +251,7 @@ def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "databa
             f"make a table for it: slmm-precompute --poisson {nu:.6g} -o FILE.nc"
         )
     else:
-        K0, Psi, stress = _between(stored, K, T, nu)
-    powers = np.stack([cells[name].values for name in ("mode_direction", "mode_p", "mode_q")], axis=1)
+        K0, Psi, stress = _between(stored, K, T, nu, _symmetric(powers))
     return MetaModel(
         cells["curvature"].values,
         cells["crack_length"].values[1:],
@@ -284,26 +283,43 @@ def _elastic(K0: np.ndarray) -> np.ndarray:
     return vectors[:, values > RIGID * values[-1]]
 
 
-def _between(stored, K, T, nu):
-    """Interpolate flexibility, path stress and released energy of given modal forces over atanh(nu)."""
-    n_c, m = K.shape[0], K.shape[-1]
+def _symmetric(powers: np.ndarray) -> np.ndarray:
+    """Which modes (m, 3) are their own mirror image about the crack line."""
+    direction, p = powers[:, 0], powers[:, 1]
+    return (p % 2 == 1) == (direction == 0)
+
+
+def _between(stored, K, T, nu, symmetric):
+    """Interpolate flexibility, path stress and released energy of given modal forces over atanh(nu).
+
+    With the flexibilities F_p of the stored ratios and F between them, modes that bear the same forces at a stored
+    ratio as at nu are F_p/F times those at nu: what these release, and their stress, is what is interpolated.
+    """
+    n_c, n_p, n_a, m, _ = K.shape
     between = polynomial_matrix(np.arctanh(stored), np.array([math.atanh(nu)]))[0]
     K0 = np.zeros((n_c, m, m))
-    Psi = np.zeros((n_c, K.shape[2] - 1, m, m))
+    Psi = np.zeros((n_c, n_a - 1, m, m))
     stress = np.zeros((n_c, *T.shape[2:]))
-    for i in range(n_c):
-        Q = _elastic(
-            K[i, nearest_middle(stored), 0]
-        )  # rigid motions and repeated modes are those of every nu
-        flexibility = np.linalg.inv(np.einsum("mr,pmk,ks->prs", Q, K[i, :, 0], Q))
-        loss = np.einsum("mr,pamk,ks->pars", Q, K[i, :, :1] - K[i, :, 1:], Q, optimize=True)
-        released = flexibility[:, None] @ loss @ flexibility[:, None]
-        carried = np.einsum("pmce,mr,prs->psce", T[i], Q, flexibility, optimize=True)
-        F, R, S = (np.tensordot(between, y, axes=1) for y in (flexibility, released, carried))
-        stiff = np.linalg.inv(0.5 * (F + F.T))
-        K0[i] = Q @ stiff @ Q.T
-        Psi[i] = Q @ (stiff @ (0.5 * (R + R.swapaxes(-1, -2))) @ stiff) @ Q.T
-        stress[i] = np.einsum("mr,rs,sce->mce", Q, stiff, S)
+    middle = nearest_middle(stored)
+    # symmetric and antisymmetric modes do not couple
+    for half in (np.flatnonzero(symmetric), np.flatnonzero(~symmetric)):
+        pairs = np.ix_(half, half)
+        for i in range(n_c):
+            stiffness = K[i][:, :, half[:, None], half]
+            Q = _elastic(stiffness[middle, 0])  # rigid motions and repeated modes are those of every nu
+            flexibility = np.linalg.inv(Q.T @ stiffness[:, 0] @ Q)
+            F = np.tensordot(between, flexibility, axes=1)
+            stiff = np.linalg.inv(0.5 * (F + F.T))
+            same_forces = Q @ flexibility @ stiff @ Q.T
+            # sums over the stored ratios as one product of matrices each
+            weighted = (between[:, None, None] * same_forces).reshape(n_p * len(half), -1).T
+            loss = (stiffness[:, :1] - stiffness[:, 1:]).reshape(n_p, -1, len(half)) @ same_forces
+            loss = loss.reshape(n_p, n_a - 1, len(half), -1).swapaxes(1, 2)
+            released = (weighted @ loss.reshape(n_p * len(half), -1)).reshape(len(half), n_a - 1, -1)
+            K0[i][pairs] = Q @ stiff @ Q.T
+            Psi[i][:, half[:, None], half] = 0.5 * (released.transpose(1, 0, 2) + released.transpose(1, 2, 0))
+            carried = weighted @ T[i][:, half].reshape(n_p * len(half), -1)
+            stress[i, half] = carried.reshape(len(half), *T.shape[3:])
     return K0, Psi, stress
 
 

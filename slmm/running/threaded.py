@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cached_property, update_wrapper
 from types import FunctionType
 from typing import Any
 
@@ -47,16 +47,30 @@ def number_of_threads() -> int:
 class Threaded:
     """A kernel on several threads, and the same one on a single thread for forked children."""
 
+    __wrapped__: Callable[..., Any]
+
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
-        """Compile nothing yet."""
+        """Compile nothing yet, and prepare nothing: most runs use few of the kernels that they import."""
         update_wrapper(self, function)
+        self._options = options
+
+    @cached_property
+    def on_threads(self) -> Callable[..., Any]:
+        """The kernel of the parent."""
+        kernel: Callable[..., Any] = numba.njit(parallel=True, **self._options)(self.__wrapped__)
+        return kernel
+
+    @cached_property
+    def alone(self) -> Callable[..., Any]:
+        """The kernel of a forked child."""
+        function = self.__wrapped__
         assert isinstance(function, FunctionType)
-        self.on_threads = numba.njit(parallel=True, **options)(function)
         # numba keeps compiled kernels by the name, and would take one for the other
-        alone = FunctionType(function.__code__, function.__globals__, f"{function.__name__}_alone")
-        alone.__qualname__ = f"{function.__qualname__}_alone"
-        alone.__module__ = function.__module__
-        self.alone = numba.njit(**options)(alone)
+        named = FunctionType(function.__code__, function.__globals__, f"{function.__name__}_alone")
+        named.__qualname__ = f"{function.__qualname__}_alone"
+        named.__module__ = function.__module__
+        kernel: Callable[..., Any] = numba.njit(**self._options)(named)
+        return kernel
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the kernel."""
