@@ -156,6 +156,36 @@ class Part:
         """
         return self.with_cracks([points])
 
+    def grown(self, tip: int, points: ArrayLike) -> Part:
+        """The part with one of its cracks longer.
+
+        Parameters
+        ----------
+        tip : int
+            Which of `tips`.
+        points : array_like, shape (2,) or (n, 2)
+            Where the crack goes on to, mm; the last one is its new end, a tip unless it lies on something.
+
+        Examples
+        --------
+        >>> part = Part.plate(40.0, 120.0, cracks=[[(0, 60), (20, 60)]])
+        >>> part.grown(0, (25, 61)).tips[0].tolist()
+        [[0.0, 60.0], [20.0, 60.0], [25.0, 61.0]]
+        """
+        more = np.atleast_2d(np.asarray(points, dtype=float))
+        lines, number = [], -1
+        for crack in self.cracks:
+            line = crack.points
+            for end, back in ((crack.start, True), (crack.end, False)):
+                if end == TIP:
+                    number += 1
+                    if number == tip:
+                        line = np.concatenate([more[::-1], line] if back else [line, more])
+            lines.append(line)
+        if not 0 <= tip <= number:
+            raise ValueError(f"tip = {tip}: the part has {number + 1}")
+        return replace(self, cracks=()).with_cracks(lines)
+
     def with_cracks(self, more: Sequence[ArrayLike]) -> Part:
         """The part with more cracks, see `with_crack`."""
         lines = [crack.points for crack in self.cracks] + [np.asarray(line, dtype=float) for line in more]

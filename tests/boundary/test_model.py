@@ -214,6 +214,23 @@ def test_a_sharp_corner_has_its_power_law():
     assert np.log(stress[1] / stress[0]) / np.log(2) == pytest.approx(-0.4555, abs=0.005)
 
 
+def test_a_crack_that_grows_keeps_the_factorised_body_and_gives_what_a_new_one_does():
+    loading = plate_loading(100.0, 100.0, displacement=0.1)
+    part = Part.plate(100.0, 100.0, THREE, [[(0, 50), (5, 50)]])
+    model = BoundaryModel(part, PMMA, loading)
+    for tip in ((7, 50.2), (9, 50.3), (11, 50.1), (13, 50)):
+        part = part.grown(0, tip)
+        before, model = model, model.with_cracks_of(part)
+        assert model.body is before.body
+        fresh = BoundaryModel(part, PMMA, loading)
+        assert model.stress_intensities() == pytest.approx(fresh.stress_intensities(), rel=1e-5, abs=1e-4)
+    # next to a hole panels there have to be shorter
+    near = part.grown(0, (21.5, 46))
+    assert model.with_cracks_of(near).body is not model.body
+    # so they have where a crack gets a new mouth
+    assert model.with_cracks_of(part.with_crack([(100, 20), (90, 20)])).body is not model.body
+
+
 def test_what_it_does_not_do_is_refused():
     loading = plate_loading(100.0, 100.0, stress=1.0)
     with pytest.raises(
@@ -222,3 +239,7 @@ def test_what_it_does_not_do_is_refused():
         BoundaryModel(Part.plate(100.0, 100.0, [hole(0, 50, 10)]), PMMA, loading)
     with pytest.raises(ValueError, match="the cracks sever the part, in 2 pieces"):
         BoundaryModel(Part.plate(100.0, 100.0, cracks=[[(0, 50), (100, 50)]]), PMMA, loading)
+    bottom, *_ = plate_edges(100.0, 100.0)
+    one_sided = Loading((Condition(*bottom, traction=(0.0, -1.0)),))
+    with pytest.raises(ValueError, match=r"does not balance: forces of \(0, -100\) N"):
+        BoundaryModel(Part.plate(100.0, 100.0), PMMA, one_sided)

@@ -65,6 +65,17 @@ def test_a_crack_from_the_tip_of_another_leaves_no_tip_there():
     assert part.end_at(np.array([25.0, 12.5])) == End("crack", 1)
 
 
+def test_a_crack_grows_at_either_tip_and_into_a_surface():
+    part = Part.plate(100.0, 80.0, cracks=[[(30, 40), (50, 40)], [(0, 10), (10, 10)]])
+    longer = part.grown(0, (25, 42)).grown(1, [(55, 41), (60, 45)]).grown(2, (12, 0))
+    assert longer.cracks[0].points.tolist() == [[25, 42], [30, 40], [50, 40], [55, 41], [60, 45]]
+    assert longer.cracks[1].points.tolist() == [[0, 10], [10, 10], [12, 0]]
+    assert longer.cracks[1].end == EDGE and len(longer.tips) == 2
+    assert longer.is_severed and longer.holes is part.holes and longer.outer is part.outer
+    with pytest.raises(ValueError, match="tip = 3: the part has 3"):
+        part.grown(3, (1, 1))
+
+
 def test_cracks_have_a_common_point_where_they_meet_or_cross():
     part = Part.plate(
         100.0, 80.0, cracks=[[(10, 40), (50, 40)], [(30, 20), (30, 60)], [(20, 40.0003), (20, 70)]]
