@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.linalg as la
-import shapely
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
@@ -15,7 +14,7 @@ from slmm.boundary.panels import Array, boundary_of, integration, panelled, rule
 from slmm.mechanics.material import Material
 from slmm.mechanics.rigid import free_motions
 from slmm.mechanics.stress import kolosov, shear_modulus
-from slmm.part.part import OUTLINE_SAMPLES, Part
+from slmm.part.part import Part
 from slmm.scene.load_checks import UNBALANCED
 from slmm.scene.loading import Condition, Loading
 
@@ -51,14 +50,14 @@ class Body:
 
     def __init__(self, part: Part, material: Material, loading: Loading, p: int) -> None:
         """Assemble and factorise."""
-        _check(part)
+        check_in_one_piece(part)
         E, nu = material.plane_stress_equivalent
         self.part, self.loading, self.material, self.p = part, loading, material, p
         self.E, self.nu, self.mu, self.kappa = E, nu, shear_modulus(E, nu), kolosov(nu)
         self.scale = (self.kappa + 1) / (2 * self.mu)
         self.mouths = mouths_of(part)
         changes = [complex(*point) for condition in loading for point in (condition.start, condition.end)]
-        self.panels = panelled(boundary_of(part, [*self.mouths, *changes]), part, tips_of(part), p)
+        self.panels = panelled(boundary_of(part, self.mouths, changes), part, tips_of(part), p)
         self.crack_columns: dict[tuple[complex, complex, bool], Array] = {}
         self.crack_rows: dict[tuple[complex, complex, bool], tuple[Array, Array]] = {}
         self._set_conditions()
@@ -79,7 +78,7 @@ class Body:
         self.held = np.zeros((n, 2), dtype=bool)
         known, traction = np.zeros((n, 2)), np.zeros((n, 2))
         points = np.column_stack([panels.z.real, panels.z.imag])
-        outer = np.repeat(panels.contour == 0, panels.p)
+        outer = np.repeat(panels.straight, panels.p)
         self.of_condition: dict[Condition, NDArray[np.bool_]] = {}
         for condition in self.loading:
             on = outer & condition.on(points)
@@ -150,19 +149,20 @@ class Body:
             )
 
     def _unseen_tractions(self) -> list[Array]:
-        """Tractions (2 n,) whose resultant is the same at all points: none shows where the whole outer edge is held."""
+        """Tractions (2 n,) whose resultant is the same at all points: none shows where a whole curve is held."""
         panels, p = self.panels, self.panels.p
-        outer = np.repeat(panels.contour == 0, p)
         x, _ = rule(p)
         length = np.abs(panels.dz.reshape(-1, p)).sum(axis=1)
         # the resultant is a Legendre polynomial less one on every panel, which vanishes at the points
         slope = (legendre.legval(x, legendre.legder(np.eye(p + 1)[p])) * 2 / length[:, None]).ravel()
         modes = []
-        for i in range(2):
-            if self.held[outer, i].all():
-                mode = np.zeros((panels.n, 2))
-                mode[outer, i] = slope[outer]
-                modes.append(mode.ravel() / np.linalg.norm(mode))
+        for contour in range(panels.contour.max() + 1):
+            here = np.repeat(panels.contour == contour, p)
+            for i in range(2):
+                if self.held[here, i].all():
+                    mode = np.zeros((panels.n, 2))
+                    mode[here, i] = slope[here]
+                    modes.append(mode.ravel() / np.linalg.norm(mode))
         return modes
 
 
@@ -179,18 +179,6 @@ def mouths_of(part: Part) -> list[complex]:
 def tips_of(part: Part) -> list[complex]:
     """Where cracks have tips."""
     return [complex(*line[-1]) for line in part.tips]
-
-
-def _check(part: Part) -> None:
-    """Refuse what the engine does not do: notches across the outer edge, and parts in pieces."""
-    check_in_one_piece(part)
-    inside = shapely.Polygon(part.outer).buffer(-part.tolerance)
-    for k, hole in enumerate(part.holes):
-        if not inside.covers(shapely.LinearRing(hole.polygon(OUTLINE_SAMPLES))):
-            raise ValueError(
-                f"holes[{k}] cuts the outer edge: boundary integrals do holes inside the part; use voxels or a "
-                "body-fitted model"
-            )
 
 
 def check_in_one_piece(part: Part) -> None:

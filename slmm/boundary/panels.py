@@ -12,7 +12,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from slmm.part.outline import Outline
+from slmm.fem.boundary import Piece, boundary_pieces
+from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
 from slmm.part.part import Part
 
 Array = NDArray[Any]
@@ -35,6 +36,8 @@ class Stretch(NamedTuple):
         Its ends, mm.
     outline : Outline or None
         Of a hole; None for a straight edge.
+    hole : int
+        Which of the holes, -1 for none.
     s : (float, float)
         Arc lengths on the outline, mm, descending.
     last : (float, float)
@@ -46,6 +49,7 @@ class Stretch(NamedTuple):
     start: complex
     end: complex
     outline: Outline | None = None
+    hole: int = -1
     s: tuple[float, float] = (0.0, 0.0)
     last: tuple[float, float] = (JUTTING, JUTTING)
     closed: bool = False
@@ -56,14 +60,19 @@ class Stretch(NamedTuple):
         return abs(self.end - self.start) if self.outline is None else self.s[0] - self.s[1]
 
     def at(self, share: Array) -> tuple[Complex, Complex, Array]:
-        """Points (n,), tangents (n,) and curvatures (n,), positive to the left, at shares of the length."""
+        """Points (n,), tangents (n,) and curvatures (n,), positive to the left, at shares of the length.
+
+        At corners the tangent is that of this stretch.
+        """
         if self.outline is None:
             along = (self.end - self.start) / abs(self.end - self.start)
             n = len(share)
             return self.start + share * (self.end - self.start), np.full(n, along), np.zeros(n)
         s = self.s[0] - share * self.length
         x, y = self.outline.points(s).T
-        tx, ty = self.outline.tangents(s).T
+        # a corner's own tangent is that half way between its sides
+        inset = 2 * AT_CORNER * self.outline.length
+        tx, ty = self.outline.tangents(np.clip(s, self.s[1] + inset, self.s[0] - inset)).T
         return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
 
 
@@ -86,8 +95,8 @@ class Panels:
     straight : ndarray, shape (m,) of bool
     span : ndarray, shape (m, 2)
         Arc lengths on its hole at the ends of a panel, mm, descending; NaN on the outer edge.
-    contour : ndarray, shape (m,) of int
-        0 is the outer edge, k + 1 the hole k.
+    contour, hole : ndarray, shape (m,) of int
+        The closed curve, and the hole, of a panel; -1 for none.
     smooth : ndarray, shape (m,) of int
         Panels of one smooth curve have the same number.
     fine, fine_dz, fine_chi : ndarray, shape (m, 2 p)
@@ -105,6 +114,7 @@ class Panels:
     straight: NDArray[np.bool_]
     span: Array
     contour: NDArray[np.int64]
+    hole: NDArray[np.int64]
     smooth: NDArray[np.int64]
     fine: Complex
     fine_chi: Complex
@@ -159,58 +169,63 @@ def slopes_at(xi: Array, p: int) -> Array:
     return np.array(slopes).T @ _coefficients(p)
 
 
-def boundary_of(part: Part, breaks: Sequence[complex]) -> list[list[Stretch]]:
-    """The contours of a part as stretches that end at corners and at some further points of the boundary.
+def boundary_of(part: Part, mouths: Sequence[complex], changes: Sequence[complex]) -> list[list[Stretch]]:
+    """The closed curves around a part, each of stretches that end at corners and at some further points.
 
-    Holes have to lie inside the part.
+    Parameters
+    ----------
+    part : Part
+    mouths, changes : sequence of complex
+        Where cracks end on the boundary, and where conditions begin and end, mm.
     """
-    corners = part.outer[:, 0] + 1j * part.outer[:, 1]
-    near = part.tolerance
-    outer = []
-    for a, b in zip(corners, np.roll(corners, -1), strict=True):
-        along = (b - a) / abs(b - a)
-        inner = [(point - a) / along for point in breaks]
-        at = sorted(d.real for d in inner if abs(d.imag) <= near and near < d.real < abs(b - a) - near)
-        points = [a, *(a + d * along for d in at), b]
-        last = [JUTTING, *([MOUTH] * len(at)), JUTTING]
-        outer += [
-            Stretch(u, v, last=(m, n)) for u, v, m, n in zip(points, points[1:], last, last[1:], strict=False)
-        ]
-    contours = [outer]
-    for hole in part.holes:
-        s = (
-            hole.project(np.array([[b.real, b.imag] for b in breaks]).reshape(-1, 2))
-            if breaks
-            else np.empty(0)
-        )
-        on = [
-            float(d)
-            for d, b in zip(s, breaks, strict=True)
-            if np.linalg.norm(hole.points(d) - [b.real, b.imag]) <= near
-        ]
-        cuts = sorted({round(d, 12) for d in [*on, *hole.corners.tolist()]}, reverse=True)
-        if not cuts:
-            x, y = hole.points(0.0)
-            start = complex(x, y)
-            contours.append([Stretch(start, start, hole, (hole.length, 0.0), closed=True)])
-            continue
-        ends = [*cuts[1:], cuts[0] - hole.length]
-        stretches = []
-        for first, last in zip(cuts, ends, strict=True):
-            u, v = (complex(*hole.points(d)) for d in (first, last))
-            stretches.append(
-                Stretch(u, v, hole, (first, last), (_grading(hole, first), _grading(hole, last)))
+    wanted = np.array([(z.real, z.imag) for z in (*mouths, *changes)]).reshape(-1, 2)
+    return [
+        _graded([stretch for piece in ring for stretch in _stretches(piece, part)], mouths, part.tolerance)
+        for ring in boundary_pieces(part.body, part.holes, wanted)
+    ]
+
+
+def _stretches(piece: Piece, part: Part) -> list[Stretch]:
+    """A piece of the boundary, cut at its prescribed points."""
+    x, y = piece.points(piece.s, part.holes).T
+    z = x + 1j * y
+    if piece.outline < 0:
+        return [Stretch(a, b) for a, b in pairwise(z.tolist())]
+    hole = part.holes[piece.outline]
+    return [
+        Stretch(a, b, hole, piece.outline, (first, last))
+        for a, b, first, last in zip(z, z[1:], piece.s.tolist(), piece.s[1:].tolist(), strict=False)
+    ]
+
+
+def _graded(stretches: list[Stretch], mouths: Sequence[complex], near: float) -> list[Stretch]:
+    """The stretches of a closed curve, with how far panels shrink towards their ends."""
+    breaks = np.array(mouths, dtype=complex)
+    ends = np.array([0.0, 1.0])
+    tangents = [stretch.at(ends)[1] for stretch in stretches]
+    grade = []
+    for k, stretch in enumerate(stretches):
+        turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
+        # where two straight stretches go on into each other, conditions change
+        changes = stretch.outline is None and stretches[k - 1].outline is None and abs(turn) < SMALLEST_TURN
+        if changes or (len(breaks) and np.abs(breaks - stretch.start).min() <= near):
+            grade.append(MOUTH)
+        else:
+            grade.append(REENTRANT if turn < -SMALLEST_TURN else JUTTING)
+    alone = len(stretches) == 1 and stretches[0].outline is not None
+    if alone and abs(np.angle(tangents[0][0] / tangents[0][1])) < SMALLEST_TURN and grade[0] == JUTTING:
+        return [stretches[0]._replace(closed=True)]
+    length = [stretch.length for stretch in stretches]
+    # beside a short stretch panels are as short as that asks for
+    return [
+        stretch._replace(
+            last=(
+                grade[k] * min(1.0, length[k - 1] / length[k]),
+                grade[k + 1 - len(grade)] * min(1.0, length[k + 1 - len(grade)] / length[k]),
             )
-        contours.append(stretches)
-    return contours
-
-
-def _grading(hole: Outline, s: float) -> float:
-    """How far panels shrink towards a corner of a hole, or a mouth in it."""
-    corner = int(hole.corner_at(np.array([s]))[0])
-    if corner < 0:
-        return MOUTH
-    return REENTRANT if hole.corner_angles[corner] < np.pi else JUTTING
+        )
+        for k, stretch in enumerate(stretches)
+    ]
 
 
 def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[complex], p: int) -> Panels:
@@ -259,6 +274,7 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
             ]
         ),
         np.array([c for *_, c, _ in parts]),
+        np.array([stretch.hole for stretch, *_ in parts]),
         np.array([number for *_, number in parts]),
         fine_of,
         np.array(chi),

@@ -43,9 +43,9 @@ def feet(part: Part, panels: Panels, points: Array) -> Feet:
         tx, ty = hole.tangents(s).T
         foot, tangent = x + 1j * y, -(tx + 1j * ty)
         depth = ((z - foot) * np.conj(1j * tangent)).real
-        nearer = np.abs(z - foot) < np.abs(z - found.foot)
-        of_hole = np.flatnonzero(panels.contour == k + 1)
-        panel, xi = _on_hole(panels, of_hole, s, hole.length)
+        of_hole = np.flatnonzero(panels.hole == k)
+        panel, xi, inside = _on_hole(panels, of_hole, s, hole.length)
+        nearer = inside & (np.abs(z - foot) < np.abs(z - found.foot))
         found = Feet(
             *(
                 np.where(nearer, new, old)
@@ -70,14 +70,15 @@ def _on_edges(panels: Panels, rows: NDArray[np.int64], z: Complex) -> Feet:
 
 def _on_hole(
     panels: Panels, rows: NDArray[np.int64], s: Array, length: float
-) -> tuple[NDArray[np.int64], Array]:
-    """Panels and places on them of arc lengths on a hole."""
+) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_]]:
+    """Panels and places on them of arc lengths on a hole, and whether these lie on the part's boundary at all."""
     first, last = panels.span[rows].T
     way = np.mod(first - s[:, None], length)
     inside = way <= (first - last) * (1 + 1e-12)
     best = np.where(inside, way / (first - last), np.inf).argmin(axis=1)
     k = np.arange(len(s))
-    return rows[best], np.clip(2 * way[k, best] / (first - last)[best] - 1, -1.0, 1.0)
+    xi = np.clip(2 * way[k, best] / (first - last)[best] - 1, -1.0, 1.0)
+    return rows[best], xi, inside.any(axis=1)
 
 
 def surface_stress(

@@ -231,12 +231,27 @@ def test_a_crack_that_grows_keeps_the_factorised_body_and_gives_what_a_new_one_d
     assert model.with_cracks_of(part.with_crack([(100, 20), (90, 20)])).body is not model.body
 
 
+def test_notches_across_the_edges():
+    """A half circle in the edge of half a plane (3.065), and beside a plane of symmetry, where it is Kirsch's hole."""
+    W = 400.0
+    notched = Part.plate(W, 2 * W, [hole(0, W, 1.0)])
+    model = BoundaryModel(notched, PMMA, plate_loading(W, 2 * W, stress=1.0), p=10)
+    assert model.stress(np.array([[1.0, W]]))[0, 1] == pytest.approx(3.065, rel=2e-3)
+    # with a plane of symmetry in place of the free edge it is Kirsch's hole
+    bottom, _, top, left = plate_edges(W, 2 * W)
+    symmetric = Loading(
+        (
+            Condition(*left, (Affine(), None)),
+            Condition(*bottom, traction=(0.0, -1.0)),
+            Condition(*top, traction=(0.0, 1.0)),
+        )
+    )
+    model = BoundaryModel(notched, PMMA, symmetric, p=10)
+    assert model.stress(np.array([[1.0, W]]))[0, 1] == pytest.approx(3.0, rel=1e-4)
+
+
 def test_what_it_does_not_do_is_refused():
     loading = plate_loading(100.0, 100.0, stress=1.0)
-    with pytest.raises(
-        ValueError, match=r"holes\[0\] cuts the outer edge: boundary integrals do holes inside"
-    ):
-        BoundaryModel(Part.plate(100.0, 100.0, [hole(0, 50, 10)]), PMMA, loading)
     with pytest.raises(ValueError, match="the cracks sever the part, in 2 pieces"):
         BoundaryModel(Part.plate(100.0, 100.0, cracks=[[(0, 50), (100, 50)]]), PMMA, loading)
     bottom, *_ = plate_edges(100.0, 100.0)
