@@ -12,7 +12,7 @@ from slmm.criteria.path_curves import Critical, PathCurves
 from slmm.criteria.status import Status
 from slmm.mechanics.material import Material
 
-#: points along the distance that the line method averages over
+#: points along the distance that the line method averages over; chosen
 SAMPLES = 41
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from slmm.criteria.coupled import NONE, STRESS
 
-#: points of the curves along a crack path, dense towards the surface
+#: points of the curves along a crack path, dense towards the surface; chosen
 CURVE_POINTS = 201
 
 

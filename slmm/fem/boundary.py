@@ -15,7 +15,7 @@ from slmm.part.outline import Outline
 from slmm.part.part import OUTLINE_SAMPLES
 
 #: given steps of a line may be longer than the size wanted by this share, and than their neighbours by this factor: the
-#: mesher cuts steps half as long again
+#: mesher cuts steps half as long again; both chosen
 SLACK, STEPS_APART = 0.4, 1.45
 
 

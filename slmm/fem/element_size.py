@@ -15,7 +15,7 @@ from slmm.part.outline import AT_CORNER, Outline
 from slmm.part.part import Part
 
 #: growth of the element size with the distance from where it is prescribed, mm per mm
-GROWTH = 0.3
+SIZE_GROWTH = 0.3
 #: intervals on an outline whose turn is measured, more only where it bends sharply: digitised outlines are not smooth
 #: on a much finer scale; and the shortest of them over the outline's length
 INTERVALS, SHARPEST = 256, 1e-6
@@ -123,7 +123,7 @@ def _sizes(points, sources, prescribed, largest):
             allowed = size[i] - prescribed[k]
             if allowed > 0.0:
                 dx, dy = points[i, 0] - sources[k, 0], points[i, 1] - sources[k, 1]
-                grown = GROWTH * np.sqrt(dx * dx + dy * dy)
+                grown = SIZE_GROWTH * np.sqrt(dx * dx + dy * dy)
                 if grown < allowed:
                     size[i] = prescribed[k] + grown
     return size

@@ -30,7 +30,7 @@ from slmm.part.part import Part
 
 #: meshes that are tried, and by how much more the body is turned (rad) for each: whether the mesher finds one is a
 #: matter of chance (chosen)
-ATTEMPTS, TURN = 8, 0.8
+ATTEMPTS, TURNED = 8, 0.8
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ def plate_mesh(
             segments = np.concatenate([segments, np.column_stack([numbers[:-1], numbers[1:]])])
             inner.append(numbers)
         try:
-            vertices, triangles = triangulated(points, segments, n_boundary, size, attempt * TURN)
+            vertices, triangles = triangulated(points, segments, n_boundary, size, attempt * TURNED)
         except MesherError as error:
             why = str(error)
             continue

@@ -12,9 +12,9 @@ import scipy.sparse as sp
 
 from slmm.mechanics import triangle
 
-#: the integration points where the derivatives of quadratic triangles are most accurate
+#: the integration points where the derivatives of quadratic triangles are most accurate; published
 POINTS = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
-#: points that a patch needs for the six coefficients of its polynomial
+#: points that a patch needs for the six coefficients of its polynomial; computed
 FEWEST = 4 * len(POINTS)
 
 

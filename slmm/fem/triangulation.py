@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slmm.fem.element_size import GROWTH, ElementSize
+from slmm.fem.element_size import SIZE_GROWTH, ElementSize
 
 
 class MesherError(RuntimeError):
@@ -59,7 +59,7 @@ def triangulated(
     for k, (i, j) in enumerate(segments):
         right = 0 if k < n_boundary else 1
         geometry.Append(["line", number[i], number[j]], leftdomain=1, rightdomain=right, bc=1)
-    parameters = MeshingParameters(maxh=size.largest, grading=GROWTH)
+    parameters = MeshingParameters(maxh=size.largest, grading=SIZE_GROWTH)
     at, wanted = size.sampled(points.min(axis=0), points.max(axis=0))
     for (x, y), edge in zip(at @ rotation, wanted, strict=True):
         parameters.RestrictH(x, y, 0.0, edge)

@@ -11,7 +11,7 @@ from numba import prange
 
 from slmm.mechanics.kinematics import over_elements, small
 
-#: det dX/dR over its largest entry to the power of the dimension: no element above this is degenerate
+#: det dX/dR over its largest entry to the power of the dimension: no element above this is degenerate; chosen
 SUSPECT = 1e-6
 
 

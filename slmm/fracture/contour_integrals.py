@@ -30,15 +30,15 @@ from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import ElementResults
 from slmm.mechanics.elements import element_named
 
-#: the weight is 1 up to this share of the radius
+#: the weight is 1 up to this share of the radius; chosen
 PLATEAU = 0.5
-#: the fewest edges to infer the strain at the tip from
+#: the fewest edges to infer the strain at the tip from; chosen
 FIT_EDGES = 4
-#: the strain is inferred from the faces up to this share of what is clear, and used up to half of that
+#: the strain is inferred from the faces up to this share of what is clear, and used up to half of that; chosen
 FIT_SHARE = 0.5
 #: powers of the distance in the strain along the faces: in the part that both have alike, and in the opposite part
 ALIKE, OPPOSITE = np.arange(3), np.arange(4) - 0.5
-#: steps that find a place on an edge whose middle node is not in its middle, at a quarter at the worst
+#: steps that find a place on an edge whose middle node is not in its middle, at a quarter at the worst; chosen
 NEWTON = 6
 #: Gauss points per edge of the faces: where quadratic elements' strains are most accurate, and of linear ones
 X_SERIES, W_SERIES = np.polynomial.legendre.leggauss(16)

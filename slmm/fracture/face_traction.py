@@ -20,7 +20,7 @@ from slmm.mechanics.elasticity import Elasticity
 from slmm.mechanics.element_results import ElementResults
 from slmm.results.boundary_edges import boundary_edges
 
-#: edges at the tip where the strain of finite elements is not that of the singularity
+#: edges at the tip where the strain of finite elements is not that of the singularity; chosen
 TIP_EDGES = 3
 #: stresses are in balance around a tip when the force on no node inside is more than this share of stress times edge:
 #: 1e-4 is the round-off of files with six digits, 0.04 are points of integration that are not the program's, 0.1 are
@@ -29,7 +29,7 @@ BALANCED = 5e-3
 #: edges at the tip where stresses out of balance make a traction that is not there, of which 1e-4 of the stress at the
 #: tip is left then (measured), and those that the traction is inferred from
 SPOILT, FIT = 6, 6
-#: edges around a tip that are looked at for balance
+#: edges around a tip that are looked at for balance; chosen
 NEAR = 3
 #: Gauss points per edge: enough for a quadratic traction times a linear strain, and for the tip's singularity
 _X, _W = np.polynomial.legendre.leggauss(8)

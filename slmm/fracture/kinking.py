@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 
 from slmm.mechanics.elasticity import Elasticity
 
-#: kinks beyond it are refused: there the series loses its digits
+#: kinks beyond it are refused: there the series loses its digits; chosen
 LARGEST_KINK = pi / 2
 #: of |K_II|: by so much a computed K_I may be negative; a crack that is closed more firmly needs contact of its faces
 OVERLAP = 0.25

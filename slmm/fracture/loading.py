@@ -27,7 +27,7 @@ from slmm.mechanics.elements import element_named
 from slmm.results.internal_forces import nodal_internal_forces
 from slmm.running.labelled import labelled
 
-#: the smallest domain around a tip: in edges of the elements there, and as a share of what is clear
+#: the smallest domain around a tip: in edges of the elements there, and as a share of what is clear; both chosen
 FEWEST_EDGES, SMALLEST = 4, 0.1
 
 #: of the direction in which a crack runs on: from the release rate at a short kink, from J as it is, from the largest
@@ -37,7 +37,7 @@ CRITERIA = ("MERR", "J", "MTS", "MSED")
 #: contours that differ by more than this, or G that is further off K^2/E', are no answer: round-off and meshes of four
 #: edges from tip to contour leave 3 % at most (chosen)
 AGREE = 0.05
-#: contours that differ by less than this share of the energy around the tip, over the radius, agree on nothing
+#: contours that differ by less than this share of the energy around the tip, over the radius, agree on nothing; chosen
 RESOLVED = 1e-3
 
 OK = "ok"

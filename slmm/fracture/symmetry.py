@@ -13,17 +13,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from slmm.fracture.tips import SIX_DIGITS
 from slmm.mechanics.element_results import ElementResults
 from slmm.mechanics.elements import element_named
 from slmm.results.boundary_edges import boundary_edges
 from slmm.results.internal_forces import nodal_internal_forces
 
-#: displacements below this share of the largest are zero: solvers and penalties leave no more, files of six digits less
-HELD = 1e-5
-#: how far off the line nodes may lie: the round-off of files with six digits, as a share of the largest coordinate
-OFF_LINE = 2e-6
+#: displacements below this share of the largest are zero: solvers and penalties leave no more, files of six digits
+#: less; round-off
+NO_DISPLACEMENT = 1e-5
 #: shear on a line of symmetry, as a share of the normal forces there: more than stresses carried to the integration
-#: points leave, less than a clamped edge has
+#: points leave, less than a clamped edge has; chosen
 SHEAR = 0.05
 
 _LINE = re.compile(r"\s*(?P<axis>[xy])\s*(=\s*(?P<place>\S+)\s*)?")
@@ -126,8 +126,8 @@ def _sides(results: ElementResults, axis: int) -> list[_Side]:
     """Both outermost lines across an axis, where edges of the boundary lie on them."""
     points, u = results.points, results.u
     edges = boundary_edges(points, results.cells)
-    tolerance = OFF_LINE * np.abs(points).max()
-    zero = HELD * np.abs(u).max()
+    tolerance = SIX_DIGITS * np.abs(points).max()
+    zero = NO_DISPLACEMENT * np.abs(u).max()
     found = []
     for place, inward in ((points[:, axis].min(), 1), (points[:, axis].max(), -1)):
         on_line = np.abs(points[:, axis] - place) <= tolerance
@@ -152,7 +152,7 @@ def _chosen(text: str, sides: list[_Side], place: str | None) -> _Side:
         except ValueError:
             raise ValueError(f"symmetry = {text!r}: {place!r} is no number") from None
         near = [
-            side for side in sides if abs(side.place - at) <= OFF_LINE * 10 * max(abs(at), abs(side.place))
+            side for side in sides if abs(side.place - at) <= SIX_DIGITS * 10 * max(abs(at), abs(side.place))
         ]
         if not near:
             raise ValueError(

@@ -18,15 +18,15 @@ from slmm.results.neighbourhood import interface_nodes
 
 #: faces are straight while their nodes are not farther off one line than this share of their distance from the tip, and
 #: the round-off of files with six digits, as a share of the largest coordinate
-STRAIGHT, ROUND_OFF = 1e-3, 2e-6
+STRAIGHT_FACES, SIX_DIGITS = 1e-3, 2e-6
 #: of a crack that is found by itself (chosen): the angle by which its faces open, rad, and how far they stand apart as
 #: a share of their length
 NARROW, GAP = np.radians(2.0), 0.01
 #: of a notch whose tip is given (chosen): up to this angle its exponent is a crack's within 0.002, rad
 WIDE, WIDE_GAP = np.radians(30.0), 0.1
-#: a blunt end is at most this share of its faces' length long, and has this many edges at most
+#: a blunt end is at most this share of its faces' length long, and has this many edges at most; both chosen
 END, END_EDGES = 0.5, 100
-#: the boundary turns by this angle at least where a blunt end begins, rad
+#: the boundary turns by this angle at least where a blunt end begins, rad; chosen
 BEGIN = np.radians(1.0)
 
 
@@ -153,7 +153,7 @@ def _given_tip(
     """The tip at a place, its end as short as it can be."""
     at, length = np.asarray(place[:2], dtype=float), chain.length
     distance = np.linalg.norm(points[chain.edges[:, 1]] - at, axis=1)
-    nearest = np.flatnonzero(distance <= distance.min() * (1 + 1e-9) + ROUND_OFF * np.abs(points).max())
+    nearest = np.flatnonzero(distance <= distance.min() * (1 + 1e-9) + SIX_DIGITS * np.abs(points).max())
     x, y = points[chain.edges[nearest[0], 1]]
     if distance.min() > length[nearest].max() / 2:
         raise ValueError(
@@ -242,7 +242,7 @@ def _face(
     """Edges from a tip outwards while they are straight, but for a distance off their line."""
     inner, outer = (1, 0) if following is chain.before else (0, 1)
     start = points[chain.edges[edge, inner]]
-    allowed = off + ROUND_OFF * np.abs(points).max()
+    allowed = off + SIX_DIGITS * np.abs(points).max()
     found = [edge]
     back = (points[chain.edges[edge, outer]] - start)[None]
     while (following_one := int(following[found[-1]])) >= 0 and following_one != edge:
@@ -253,7 +253,7 @@ def _face(
         if step @ longer[-1] < np.linalg.norm(step) * distance[-1] / 2 or distance[-1] <= distance[-2]:
             break
         aside = np.abs(longer[:, 0] * longer[-1, 1] - longer[:, 1] * longer[-1, 0]) / distance[-1]
-        if np.any(aside > STRAIGHT * distance + allowed):
+        if np.any(aside > STRAIGHT_FACES * distance + allowed):
             break
         found.append(following_one)
         back = longer

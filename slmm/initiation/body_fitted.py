@@ -15,9 +15,9 @@ from slmm.initiation.uncracked import Raster
 from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress
 
-#: largest turn of an outline along one element edge of the coarser mesh, rad
+#: largest turn of an outline along one element edge of the coarser mesh, rad; chosen
 ANGLE_MAX = 0.12
-#: voxels along the side of a quadratic element that resolve displacements as well
+#: voxels along the side of a quadratic element that resolve displacements as well; chosen
 VOXELS_PER_ELEMENT = 4
 
 

@@ -15,9 +15,8 @@ from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.task import Answer, Task
 
-#: elements between a position and a corner or crack tip, at least, for its stress to be the surface's own
-AWAY_FROM_TIPS = 2
-#: depths of a path as shares of its ligament, where the largest stress is looked for; the far side has one of its own
+#: depths of a path as shares of its ligament, where the largest stress is looked for; the far side has one of its
+#: own; chosen
 DEPTHS = np.linspace(0.0, 0.99, 100) ** 2
 
 
@@ -55,7 +54,7 @@ def upper_bounds(task: Task, answer: Answer) -> np.ndarray:
 def _body_fitted(task: Task, whole_path: bool) -> np.ndarray:
     """Bounds (n,) from the stress of a body-fitted model; infinite where a mesh cannot tell."""
     from slmm.initiation.by_dislocations import body_fitted_model
-    from slmm.initiation.by_stress import distance_to_tips
+    from slmm.initiation.by_stress import AWAY_FROM_TIPS, distance_to_tips
     from slmm.mechanics.stress import principal_stress  # these import the finite element libraries
 
     task.progress(0.9, f"strength at {task.n} positions without a value")

@@ -27,16 +27,18 @@ from slmm.part.checks import TOLERANCE
 #: annulus on which Williams' series is fitted, in clear distances: nearer to the tip the mesh is poor, farther away
 #: the series converges slowly
 ANNULUS = (0.05, 0.2)
-#: exponents of either symmetry; the next one of a crack has 0.2^4 of the first one's weight at the annulus' rim
+#: exponents of either symmetry; the next one of a crack has 0.2^4 of the first one's weight at the annulus'
+#: rim; chosen
 TERMS = 8
-#: size of the coarser mesh's elements at a sharp tip, in clear distances, and along a round root, in its radii
+#: size of the coarser mesh's elements at a sharp tip, in clear distances, and along a round root, in its
+#: radii; both chosen (validation/chart.py)
 TIP_SIZE, ROOT_SIZE = 1e-3, 0.1
-#: longest crack that meets the notch alone, in clear distances: up to here the failure index is good to 5 %
+#: longest crack that meets the notch alone, in clear distances: up to here the failure index is good to 5 %; chosen
 ASYMPTOTIC = 0.1
-#: by how much the stress beside a root may exceed the root's before the load counts as mixed
+#: by how much the stress beside a root may exceed the root's before the load counts as mixed; chosen
 BESIDE_ROOT = 0.01
 #: stress across the bisector over all stress there at which a notch or crack closes; above, it is round-off
-CLOSED = -1e-3
+CLOSES = -1e-3
 
 ROOT_2_PI = float(np.sqrt(2 * np.pi))
 
@@ -178,7 +180,7 @@ def is_closed(found: Intensities, notch: VNotch) -> bool:
     r = ANNULUS[1] * notch.clear
     across = found.k_1 * r ** (singular_exponent(notch.opening) - 1)
     shear = found.k_2 * r ** (singular_exponent(notch.opening, symmetric=False) - 1)
-    return bool(across < CLOSED * np.hypot(across, shear))
+    return bool(across < CLOSES * np.hypot(across, shear))
 
 
 #: curves (1, n) at crack lengths (1, n) from 0, mm

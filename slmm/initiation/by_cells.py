@@ -18,11 +18,11 @@ from slmm.initiation.task import Answer, Task
 from slmm.initiation.uncracked import UncrackedField
 from slmm.mechanics.stress import principal
 
-#: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number
+#: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number; chosen
 VOXELS_PER_RADIUS = 20
 FEWEST_VOXELS, MOST_VOXELS = 250**2, 2000**2
 
-#: stiffness of the coarser model's void over that of the finer one's
+#: stiffness of the coarser model's void over that of the finer one's; chosen
 STIFFER_VOID = 3.0
 
 
@@ -136,7 +136,8 @@ def cells_on(local: UncrackedField, task: Task, auto_control: bool, answer: Answ
     )
 
 
-#: longest critical crack over Irwin's length where the stress hardly falls: that of a straight edge, 1/1.976
+#: longest critical crack over Irwin's length where the stress hardly falls: that of a straight edge,
+#: 2/(1.1215^2 pi); computed
 STRAIGHT_EDGE = 0.506
 
 

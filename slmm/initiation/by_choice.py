@@ -36,11 +36,11 @@ from slmm.initiation.task import Answer, Task
 VOXELS_AFFORDED = 700**2
 
 #: with at least this tolerance dislocations do with elements so many times as large, up to this effective Poisson's
-#: ratio: nearer to 1, that is incompressible, elements lock
+#: ratio: nearer to 1, that is incompressible, elements lock; all chosen
 LOOSE, COARSENESS, LOCKING = 0.01, 1.5, 0.95
-#: indices below this share of the largest one need no more than its accuracy
+#: indices below this share of the largest one need no more than its accuracy; chosen
 MATTERS = 0.25
-#: and where what is known keeps the index below this share, no model of its own is made for it
+#: and where what is known keeps the index below this share, no model of its own is made for it; chosen
 NEGLIGIBLE = 0.1
 
 #: the method where curves end too early, and bound the index

@@ -15,19 +15,21 @@ from slmm.initiation.meta_model import polynomial_matrix
 from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal_stress
 
-#: element size of the coarser mesh at a position over the longest crack, and least one over the outline's length
+#: element size of the coarser mesh at a position over the longest crack, and least one over the outline's
+#: length; both chosen
 SIZE_PER_CRACK, SIZE_PER_OUTLINE = 0.25, 1 / 120
-#: and largest one over the distance to the plate's edge
+#: and largest one over the distance to the plate's edge; chosen
 SIZE_PER_DISTANCE = 0.3
-#: longest crack as a share of the ligament: beyond, the opposite surface is too near for the samples of its answer
-IN_LIGAMENT = 0.6
+#: longest crack as a share of the ligament: beyond, the opposite surface is too near for the samples of its
+#: answer; chosen
+SAMPLED_LIGAMENT = 0.6
 #: a critical crack shorter than this share of the longest one is looked at again, with this multiple of it as the
-#: longest
+#: longest; both chosen
 SHORT, CLOSE_UP = 0.1, 4.0
-#: on what the extrapolation changed, such that nineteen errors of twenty lie below, and what is always there,
-#: as a share of the reference stress
+#: on what the extrapolation changed, and what is always there, as a share of the reference stress; chosen such that
+#: more than nineteen errors of twenty lie below, and near what a fit gives (validation/fit_dislocation_errors.py)
 SAFETY, ENERGY_FLOOR, STRESS_FLOOR = 1.2, 3.2e-4, 1.6e-4
-#: positions whose dipoles are solved for at once
+#: positions whose dipoles are solved for at once; chosen
 CHUNK = 64
 
 
@@ -76,7 +78,7 @@ def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndar
                 dislocations.trial(
                     scene.outlines[where.hole[i]],
                     float(where.s[i]),
-                    min(longest[i], IN_LIGAMENT * task.paths.ligament[i]),
+                    min(longest[i], SAMPLED_LIGAMENT * task.paths.ligament[i]),
                 )
                 for i in chunk
             ]

@@ -18,14 +18,14 @@ from slmm.initiation.full_fea import LEVELS, FullFEA, full_fea_curves
 from slmm.initiation.paths import IN_LIGAMENT, ligament_end
 from slmm.initiation.task import Answer, Task
 
-#: crack lengths of a path, and the longest over the shortest
+#: crack lengths of a path, and the longest over the shortest; both chosen
 LENGTHS, SPAN = 25, 120.0
-#: of a path through a ligament, up to its middle
+#: of a path through a ligament, up to its middle; both chosen
 HALF_LENGTHS, HALF_SPAN = 20, 60.0
-#: meshes of a model that need not be the best
+#: meshes of a model that need not be the best; chosen
 FEWER_LEVELS = 2
 
-#: stress that stands for none where its logarithm is taken, MPa; its square is not yet zero
+#: stress that stands for none where its logarithm is taken, MPa; its square is not yet zero; computed
 LEAST = 1e-100
 #: of the stress, as a share of the largest along the path: two meshes may agree to more digits than either has (chosen)
 ROUND_OFF = 1e-6

@@ -17,7 +17,7 @@ from slmm.initiation.uncracked import UncrackedField, WithStress
 from slmm.mechanics.stress import principal
 from slmm.scene.scene import Scene
 
-#: elements between a position and a corner or crack tip, at least: nearer, the estimated error is too small
+#: elements between a position and a corner or crack tip, at least: nearer, the estimated error is too small; chosen
 AWAY_FROM_TIPS = 2
 
 

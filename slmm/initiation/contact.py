@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.polynomial import legendre
 
-#: share of the crack length at which the opening tells whether the tip is open
+#: share of the crack length at which the opening tells whether the tip is open; chosen
 NEAR_TIP = 0.9
 
 

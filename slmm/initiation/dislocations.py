@@ -33,19 +33,20 @@ from slmm.mechanics.richardson import extrapolated
 MANY = 16
 #: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
 LENGTHS, SHORTEST = 24, 1 / 100
-#: longest crack over the radius of a surface that is compared with a straight edge
+#: longest crack over the radius of a surface that is compared with a straight edge; chosen
 LONGEST_BESIDE_EDGE = 0.5
 #: what the bend of such a surface leaves of the energy beyond first order, which two meshes do not see, over the bend
-#: along the crack; nineteen errors of twenty lie below
+#: along the crack; chosen such that nineteen errors of twenty lie below (validation/fit_dislocation_errors.py)
 BEND_UNSEEN = 0.02
-#: a notch bends by less than this along the longest crack: straight, and closed forms of bends would cancel
-STRAIGHT = 1e-5
-#: a point of the path keeps a distance from all boundaries of this share of its depth
+#: a notch bends by less than this along the longest crack: straight, and closed forms of bends would cancel; round-off
+NO_BEND = 1e-5
+#: a point of the path keeps a distance from all boundaries of this share of its depth; chosen
 AWAY = 0.4
 #: longest crack over the distance to where a notch leaves the plate, from which on the body beside the mouth is a wedge
 #: whose answer polynomials do not follow; chosen: beside corners the distances above leave about as much
 FROM_END = 1.5
-#: a mirrored crack keeps a distance from the material of this share of its depth, and the hole's centre of its radius
+#: a mirrored crack keeps a distance from the material of this share of its depth, and the hole's centre of its
+#: radius; chosen
 CLEARANCE = 0.5
 
 
@@ -140,7 +141,7 @@ class DislocationModel:
     def trial(self, outline: Any, s: float, a_max: float) -> Trial:
         """The path normal to an outline at the arc length s, for cracks up to a_max, mm, or as far as they can go."""
         origin, along, curvature = outline.points(s), outline.normals(s), float(outline.curvatures(s))
-        if abs(curvature) * a_max < STRAIGHT:
+        if abs(curvature) * a_max < NO_BEND:
             curvature = 0.0
         radius = self.reference_radius(origin, along, curvature)
         return Trial(origin, along, self.reach(origin, along, radius, curvature, a_max), radius, curvature)

@@ -19,14 +19,15 @@ from slmm.initiation.dipole import mirror_stress
 from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import kolosov, shear_modulus
 
-#: longest crack over the radius of the hole
+#: longest crack over the radius of the hole; chosen
 LONGEST = 50.0
-#: number of Legendre polynomials for tractions
+#: number of Legendre polynomials for tractions; chosen
 ORDERS = 8
-#: points along the crack, of the coarser of two solutions
+#: points along the crack, of the coarser of two solutions; chosen
 POINTS = 20
-#: degree of the polynomial over the ratio, and the ratio a/R at which its scale turns from linear to logarithmic
-DEGREE, TURN = 24, 0.5
+#: degree of the polynomial over the ratio, and the ratio a/R at which its scale turns from linear to
+#: logarithmic; both chosen
+DEGREE, LINEAR_BELOW = 24, 0.5
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class FaceCompliance:
 def face_compliance() -> FaceCompliance:
     """Compliance over all ratios of crack length to radius, from 0 to LONGEST."""
     x = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
-    ratio = TURN * np.expm1((x + 1) / 2 * np.log1p(LONGEST / TURN))
+    ratio = LINEAR_BELOW * np.expm1((x + 1) / 2 * np.log1p(LONGEST / LINEAR_BELOW))
     values = np.array([compliance(1 / r) for r in ratio])
     basis = chebyshev.chebvander(x, DEGREE)
     return FaceCompliance(np.linalg.solve(basis, values.reshape(len(x), -1)).reshape(values.shape))
@@ -68,7 +69,7 @@ def face_compliance() -> FaceCompliance:
 
 def _scaled(ratio: np.ndarray) -> np.ndarray:
     """Ratios a/R between 0 and LONGEST, brought to -1 to 1."""
-    return 2 * np.log1p(ratio / TURN) / np.log1p(LONGEST / TURN) - 1
+    return 2 * np.log1p(ratio / LINEAR_BELOW) / np.log1p(LONGEST / LINEAR_BELOW) - 1
 
 
 def compliance(radius: float, points: int = POINTS) -> np.ndarray:

@@ -29,7 +29,7 @@ from slmm.running.progress import Progress, silent
 from slmm.scene.plausible import UnusualValueWarning, unusual_values
 from slmm.scene.scene import Scene
 
-#: times that positions are added where the index is largest
+#: times that positions are added where the index is largest; chosen
 ROUNDS = 4
 
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}

@@ -23,13 +23,14 @@ from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress
 from slmm.part.part import Part
 
-#: from one path element to the next at most; also the mesher follows steps up to 1.5 alone
-GROWTH = 1.25
-#: a crack that releases less per length than this share of the most closes: the change relative to that has no meaning
+#: from one path element to the next at most; also the mesher follows steps up to 1.5 alone; chosen
+STEP_GROWTH = 1.25
+#: a crack that releases less per length than this share of the most closes: the change relative to that has no
+#: meaning; chosen
 CLOSING = 0.01
-#: a mesh and its uniform refinements
+#: a mesh and its uniform refinements; chosen
 LEVELS = 3
-#: released energy per area that stands for an infinite one, over that of the longest crack before
+#: released energy per area that stands for an infinite one, over that of the longest crack before; chosen
 PLENTY = 1e6
 
 
@@ -212,7 +213,7 @@ def full_fea_curves(
 def path_depths(a: np.ndarray) -> np.ndarray:
     """Depths of the nodes on a path whose tip visits the lengths a (n,), evenly spaced in log(a).
 
-    The last step to a length is at most GROWTH - 1 of it: between the lengths more nodes are put where
+    The last step to a length is at most STEP_GROWTH - 1 of it: between the lengths more nodes are put where
     needed, and equal steps lead to the first one.
 
     Examples
@@ -228,7 +229,7 @@ def path_depths(a: np.ndarray) -> np.ndarray:
 
 def nodes_per_length(a: np.ndarray) -> int:
     """Number of path elements between two of the lengths a (n,), which are evenly spaced in log(a)."""
-    return max(1, int(np.ceil(np.log(a[1] / a[0]) / np.log(GROWTH) - 1e-9)))
+    return max(1, int(np.ceil(np.log(a[1] / a[0]) / np.log(STEP_GROWTH) - 1e-9)))
 
 
 def _path_start(

@@ -21,15 +21,15 @@ from slmm.scene.scene import Scene
 
 #: voxels along the longest edge of an element that resolve displacements as well, by how many nodes an edge has. On
 #: meshes solved with each type, as coarse as that lets them be, the critical failure index of a circular hole was low
-#: by 2 %, with "triangle" by 3 %
+#: by 2 %, with "triangle" by 3 %; measured
 VOXELS_PER_EDGE = {2: 1, 3: 4}
-#: by how much of the plate's longer side the model's box may miss the plate's
+#: by how much of the plate's longer side the model's box may miss the plate's; chosen
 BOX = 1e-3
 #: by how much the area may miss the plate's without its notches: a share of it, and of the notches' own, of which
-#: chords of 0.4 radii leave 2.7 %
+#: chords of 0.4 radii leave 2.7 %; both chosen
 AREA, NOTCH_AREA = 1e-3, 0.03
 #: how far a notch of the model may lie from the scene's: in element edges, of which a chord of 0.4 radii is off by
-#: 0.05, or in square roots of the notch's area, which is 0.9 % of a circle's radius
+#: 0.05, or in square roots of the notch's area, which is 0.9 % of a circle's radius; both chosen
 OFF_IN_EDGES, OFF_IN_SIZES = 0.07, 0.005
 #: units in mm that a model may be in by mistake
 OTHER_UNITS = {"metres": 1e3, "centimetres": 10.0, "inches": 25.4, "micrometres": 1e-3}

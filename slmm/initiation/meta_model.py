@@ -24,7 +24,7 @@ from slmm.initiation.placement import CELL_LENGTH
 from slmm.running.cell_file import read_cells
 from slmm.running.model_file import DatabaseError, shipped
 
-#: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes
+#: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes; round-off
 RIGID = 1e-7
 
 

@@ -12,15 +12,15 @@ from slmm.initiation.positions import Positions
 from slmm.part.rays import Lines, distances_along
 from slmm.scene.scene import Scene
 
-#: longest trial crack in Irwin's lengths: at a straight edge a_c is 0.51 of them, in falling stress less
+#: longest trial crack in Irwin's lengths: at a straight edge a_c is 0.51 of them, in falling stress less; chosen
 IN_IRWIN_LENGTHS = 0.7
-#: where that is too short, as for the averaged stress or under bending: so much longer
+#: where that is too short, as for the averaged stress or under bending: so much longer; chosen
 LONGER = 4.0
-#: and as a share of the ligament
+#: and as a share of the ligament; chosen
 IN_LIGAMENT = 0.8
 #: a ligament's computed end is this near to the true outline, as a share of the plate's longer side
 CLOSE = 1e-5
-#: steps from a surface into the body, as shares of the plate's width and height together
+#: steps from a surface into the body, as shares of the plate's width and height together; chosen
 OFFSETS = (1e-4, 1e-5, 1e-6)
 
 

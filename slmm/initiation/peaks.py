@@ -17,14 +17,14 @@ from slmm.scene.scene import POLYGON_POINTS, Scene
 
 #: an interval along which the outline turns by less, rad, has no peak of its own; chosen: 50 positions on a circle
 #: turn by 0.13 from one to the next
-TURN = 0.25
+PEAKLESS_TURN = 0.25
 #: nor has one shorter than this share of the critical crack, over whose length the criterion looks in any case; chosen
 SHORT = 0.25
 #: share of an index from which on a bend beside it may hide the largest one; chosen: at a fillet the index may fall by
 #: a third within a third of the bend
 HIDDEN = 0.6
 #: share of the estimate that the rise between positions may take, and of the index, whatever the estimate; chosen
-COVERED, LEAST = 0.5, 5e-4
+RISE_COVERED, LEAST_RISE = 0.5, 5e-4
 #: a parabola does not see a peak beside which one interval is so many times as long as the other, or along which the
 #: index falls by so large a share; nor how much of that fall may be a rise before it; all chosen
 LOPSIDED, STEEP, BEFORE_FALL = 2.5, 0.15, 0.25
@@ -35,7 +35,7 @@ SHORT_BESIDE_CORNER, FAR_FROM_CORNER, NEARER, FEWEST_AROUND = 0.02, 0.15, 0.25, 
 #: a corner is under shear where the index of one flank is so many times that of the other, and beside it the index may
 #: then be so many times the corner's; both chosen: under pure shear it was 1.2 times (a notch of 40 degrees)
 ASYMMETRIC, OVER_CORNER = 1.25, 1.2
-#: positions that are added at a time, at most; and to one interval
+#: positions that are added at a time, at most; and to one interval; both chosen
 MOST, MOST_IN_INTERVAL = 32, 6
 
 
@@ -76,7 +76,7 @@ def find_peaks(
     index = np.nan_to_num(index, nan=0.0)
     if not index.max(initial=0.0) > 0:
         return []
-    allowed = np.maximum(COVERED * np.nan_to_num(error, nan=0.0), LEAST * index)
+    allowed = np.maximum(RISE_COVERED * np.nan_to_num(error, nan=0.0), LEAST_RISE * index)
     top = int(index.argmax())
     least = index[top] + allowed[top]
     found = []
@@ -225,12 +225,12 @@ def _missing(
         return np.empty(0)
     at, signed = turn_along(outline, start, end)
     turned = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(signed)))])  # waves add up
-    if not is_within(scene, outline.points(at % outline.length)).all() or turned[-1] <= TURN:
+    if not is_within(scene, outline.points(at % outline.length)).all() or turned[-1] <= PEAKLESS_TURN:
         return np.empty(0)
     bend = np.interp([0.05 * turned[-1], 0.95 * turned[-1]], turned, at)
     if bend[1] - bend[0] <= (short if np.isfinite(short) else 0.0):
         return np.empty(0)
-    parts = min(int(np.ceil(turned[-1] / TURN)), MOST_IN_INTERVAL + 1)
+    parts = min(int(np.ceil(turned[-1] / PEAKLESS_TURN)), MOST_IN_INTERVAL + 1)
     # the straight rest of the interval takes a part of its own
     measure = turned + (turned[-1] / parts) * (at - start) / (end - start)
     return np.interp(np.arange(1, parts) / parts * measure[-1], measure, at)

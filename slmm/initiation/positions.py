@@ -11,11 +11,11 @@ from slmm.part.checks import TOLERANCE
 from slmm.part.outline import Outline
 from slmm.scene.scene import Scene
 
-#: samples of an outline that decide which part of it lies within the plate
+#: samples of an outline that decide which part of it lies within the plate; chosen
 SAMPLES = 4000
-#: an outline that turns by more than this between two positions (rad) has its sharpest bend missed by both
-TURN = 0.8
-#: so few positions cannot be meant to find it
+#: an outline that turns by more than this between two positions (rad) has its sharpest bend missed by both; chosen
+MISSED_TURN = 0.8
+#: so few positions cannot be meant to find it; chosen
 FEW = 8
 
 
@@ -162,7 +162,7 @@ def _with_bends(scene: Scene, outline: Outline, s: np.ndarray) -> np.ndarray:
         at, turned = turn_along(outline, start, end)
         if np.any((corners >= start) & (corners <= end)) or not is_within(scene, outline.points(at)).all():
             continue
-        if turned[-1] > TURN:
+        if turned[-1] > MISSED_TURN:
             bends.append(float(np.interp(0.5 * turned[-1], turned, at)) % outline.length)
     return np.sort(np.concatenate([s, bends]))
 

@@ -14,11 +14,11 @@ from slmm.initiation.dipole import dipoles_on_boundary
 from slmm.mechanics.stress import kolosov, shear_modulus
 
 #: dipoles that sample D, Chebyshev points over the longest crack but for its first part: D is smooth, and a mesh
-#: resolves it best where the depth is not small
+#: resolves it best where the depth is not small; both chosen
 DIPOLES, FIRST_DEPTH = 8, 0.07
-#: cracks longer than this many radii of the notch take more, the first within a part of the radius
+#: cracks longer than this many radii of the notch take more, the first within a part of the radius; all chosen
 LONG, MORE_DIPOLES, FIRST_OF_RADIUS, LEAST_FIRST_DEPTH = 2.0, 16, 0.15, 0.01
-#: depths of the path stress: enough for a crack that is many times as long as the notch's radius
+#: depths of the path stress: enough for a crack that is many times as long as the notch's radius; chosen
 STRESS_POINTS = 40
 
 

@@ -26,8 +26,8 @@ LAYOUT: dict[str, tuple[str, ...]] = {
     "sharp_release": ("opening", "mode"),
 }
 
-#: lengths are interpolated over ln(1 + length/BEND)
-BEND = 0.1
+#: lengths are interpolated over ln(1 + length/LENGTH_BEND); chosen
+LENGTH_BEND = 0.1
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,14 @@ class VNotchTable:
         sharp = release_coefficient(opening)
         exponent = 2 * singular_exponent(opening) - 1
         last = self.length[-1]
-        curve = CubicSpline(np.log1p(self.length / BEND), self._release_spline(opening))
+        curve = CubicSpline(np.log1p(self.length / LENGTH_BEND), self._release_spline(opening))
         inside = np.minimum(length, last)
-        excess = np.exp(curve(math.log1p(last / BEND))) * last / (sharp * last**exponent) - 1
+        excess = np.exp(curve(math.log1p(last / LENGTH_BEND))) * last / (sharp * last**exponent) - 1
         beyond = np.maximum(length, last)
         return np.where(
             length > last,
             sharp * beyond**exponent * (1 + excess * last / beyond),
-            np.exp(curve(np.log1p(inside / BEND))) * inside,
+            np.exp(curve(np.log1p(inside / LENGTH_BEND))) * inside,
         )
 
     def bisector_stress(self, opening: float, length: np.ndarray) -> np.ndarray:
@@ -97,16 +97,17 @@ class VNotchTable:
         field = williams_fields(opening, True, 1)[0]
         sharp = field.stress(np.array(1.0), np.array(0.0))[[1, 0]]
         last = self.length[-1]
-        curve = CubicSpline(np.log1p(self.length / BEND), self._stress_spline(opening), axis=-1)
+        curve = CubicSpline(np.log1p(self.length / LENGTH_BEND), self._stress_spline(opening), axis=-1)
         inside = np.minimum(length, last)
         excess = (
-            curve(math.log1p(last / BEND)) * self._decrease(last, exponent) / last ** (exponent - 1) - sharp
+            curve(math.log1p(last / LENGTH_BEND)) * self._decrease(last, exponent) / last ** (exponent - 1)
+            - sharp
         )
         beyond = np.maximum(length, last)
         return np.where(
             length > last,
             beyond ** (exponent - 1) * (sharp[:, None] + excess[:, None] * last / beyond),
-            curve(np.log1p(inside / BEND)) * self._decrease(inside, exponent),
+            curve(np.log1p(inside / LENGTH_BEND)) * self._decrease(inside, exponent),
         )
 
 

@@ -17,11 +17,11 @@ from slmm.part.outline import AT_CORNER, Outline
 from slmm.part.part import Part
 from slmm.scene.scene import Scene
 
-#: a flank is straight as long as its tangent turns by less, rad
-STRAIGHT = 0.01
-#: shortest straight flanks of a round root, in its radii, and how much its radius may vary
+#: a flank is straight as long as its tangent turns by less, rad; chosen
+STRAIGHT_TURN = 0.01
+#: shortest straight flanks of a round root, in its radii, and how much its radius may vary; both chosen
 SHORTEST_FLANK, ROUND = 1.0, 0.15
-#: angle along the root between a position and the bisector up to which the position counts as the root, rad
+#: angle along the root between a position and the bisector up to which the position counts as the root, rad; chosen
 ON_BISECTOR = 0.05
 
 
@@ -119,7 +119,7 @@ def rounded_notch(scene: Scene, hole: int, s: float) -> VNotch:
             f"smooth surface without flanks: its curvature varies by {deviation:.0%} between them"
         )
     opening = float(np.pi - after - before)
-    if opening < -2 * STRAIGHT:
+    if opening < -2 * STRAIGHT_TURN:
         raise ValueError("smooth surface without flanks: its straight parts converge towards the mouth")
     off = 0.5 * (after - before)
     if abs(off) > ON_BISECTOR:
@@ -175,7 +175,7 @@ def _turns(outline: Outline, s: float, side: int) -> tuple[np.ndarray, np.ndarra
 
 def _straight_until(distance: np.ndarray, turn: np.ndarray, start: int) -> float:
     """Distance up to which the outline stays straight from one of the distances on, mm."""
-    bends = np.flatnonzero(np.abs(turn[start:] - turn[start]) > STRAIGHT)
+    bends = np.flatnonzero(np.abs(turn[start:] - turn[start]) > STRAIGHT_TURN)
     return float(distance[start + bends[0] - 1] if len(bends) else distance[-1])
 
 
@@ -185,7 +185,7 @@ def _flank(outline: Outline, s: float, side: int, radius: float) -> tuple[float,
     shortest = SHORTEST_FLANK * radius
     on_arc = np.flatnonzero(distance <= 0.5 * np.pi * radius * (1 + ROUND))
     after = np.searchsorted(distance, distance[on_arc] + shortest, side="right") - 1
-    for start in on_arc[np.abs(turn[after] - turn[on_arc]) <= STRAIGHT]:
+    for start in on_arc[np.abs(turn[after] - turn[on_arc]) <= STRAIGHT_TURN]:
         end = _straight_until(distance, turn, start)
         if end - distance[start] >= shortest:
             return float(distance[start]), end, float(turn[distance <= end][-1])

@@ -12,9 +12,9 @@ from slmm.part.vertices import Vertex
 
 Array = NDArray[np.float64]
 
-#: share of a stretch that the arcs at its ends may use up
+#: share of a stretch that the arcs at its ends may use up; chosen
 CUT = 0.45
-#: points of the arc at a tight bend
+#: points of the arc at a tight bend; chosen
 ARC_POINTS = 41
 
 

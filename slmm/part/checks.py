@@ -16,7 +16,8 @@ from slmm.part.union import united
 
 Array = NDArray[np.float64]
 
-#: lines that are nearer than the tolerance for so many tolerances run along each other: at an angle below half a degree
+#: lines that are nearer than the tolerance for so many tolerances run along each other: at an angle below half a
+#: degree; chosen
 ALONG = 200
 
 

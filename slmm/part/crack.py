@@ -14,7 +14,7 @@ from slmm.part.outline import Outline
 
 Array = NDArray[np.float64]
 
-#: chords of an outline are this far off it at most, as a share of its length (2000 chords, a circle)
+#: chords of an outline are this far off it at most, as a share of its length (2000 chords, a circle); computed
 CHORDS = 1e-6
 
 

@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: distance between the points of a contour
+#: distance between the points of a contour; chosen
 STEP = 0.5
-#: lengths of flanks that are tried, one after the other, while a parabola follows them
+#: lengths of flanks that are tried, one after the other, while a parabola follows them; chosen
 FLANKS = tuple(4.0 * 1.4**k for k in range(14))
-#: the shortest flank on which a parabola means anything
+#: the shortest flank on which a parabola means anything; chosen
 SHORTEST_PARABOLA = 7.0
-#: longest flank at the end of a contour
+#: longest flank at the end of a contour; chosen
 AT_END = 8.0
-#: by how much a flank may deviate from its parabola, in deviations of the contour
+#: by how much a flank may deviate from its parabola, in deviations of the contour; chosen
 FOLLOWS = 1.8
-#: standard deviations by which the bend of a flank must differ from zero
+#: standard deviations by which the bend of a flank must differ from zero; chosen
 BENT = 3.0
 
 

@@ -28,11 +28,11 @@ from slmm.part.outline_splines import (
 Array = NDArray[np.float64]
 
 #: pieces that meet at less than this angle (rad) meet smoothly: over six decades of distance, the stress at so
-#: flat a corner (r to the power of -2/pi times the angle) rises by less than 1 %
+#: flat a corner (r to the power of -2/pi times the angle) rises by less than 1 %; chosen
 SMALLEST_TURN = 1e-3
-#: arc lengths nearer to a corner than this share of the outline are the corner
+#: arc lengths nearer to a corner than this share of the outline are the corner; round-off
 AT_CORNER = 1e-9
-#: of so many samples next to a point, one lies by its nearest point, be it on the other side of a sharp corner
+#: of so many samples next to a point, one lies by its nearest point, be it on the other side of a sharp corner; chosen
 NEIGHBOURS = 8
 
 

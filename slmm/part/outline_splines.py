@@ -9,15 +9,15 @@ from scipy.optimize import brentq
 
 Array = NDArray[np.float64]
 
-MIN_PIECES, MAX_PIECES = 256, 4000
+MIN_PIECES, MAX_PIECES = 256, 4000  # both chosen
 #: largest angle (rad) by which the outline may turn within one piece; a circle's curvature is then good to
-#: 0.02^2/12 = 3e-5 and its position to 2e-9 radii
+#: 0.02^2/12 = 3e-5 and its position to 2e-9 radii; chosen
 TURN_PER_PIECE = 0.02
-#: beyond this angle even the finest spline does not follow the outline any more: it has a corner
+#: beyond this angle even the finest spline does not follow the outline any more: it has a corner; chosen
 TURN_REFUSED = 0.4
 #: Gauss points for the arc length of one piece
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
-#: Newton steps for a point at a given arc length, at most, and the share of a piece at which they end
+#: Newton steps for a point at a given arc length, at most, and the share of a piece at which they end; both round-off
 NEWTON_STEPS, REACHED = 6, 1e-15
 
 

@@ -15,9 +15,9 @@ from slmm.part.outline import Outline
 
 Array = NDArray[np.float64]
 
-#: lengths below this share of the part's larger side count as zero
+#: lengths below this share of the part's larger side count as zero; chosen
 TOLERANCE = 1e-5
-#: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least
+#: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least; chosen
 OUTLINE_SAMPLES = 2000
 
 

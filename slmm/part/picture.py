@@ -30,12 +30,12 @@ FORMATS = (
     "SGI",
     "QOI",
 )
-MAX_PIXELS = 50_000_000
-#: difference between dark and light, as a share of the range of grey values
+MAX_PIXELS = 50_000_000  # chosen
+#: difference between dark and light, as a share of the range of grey values; chosen
 MIN_CONTRAST = 0.2
-#: a side of the picture is dark when this share of it is, and so many dark sides are no notches
+#: a side of the picture is dark when this share of it is, and so many dark sides are no notches; both chosen
 DARK_SIDE, DARK_SIDES = 0.9, 3
-#: a dark border no wider than this share of the picture is a frame that somebody drew
+#: a dark border no wider than this share of the picture is a frame that somebody drew; chosen
 WIDEST_FRAME = 0.1
 
 INVERTED = "dark = hole: are the colours inverted?"

@@ -15,22 +15,23 @@ from slmm.running.input_file import read_text
 
 Array = NDArray[np.float64]
 
-#: mm, as in scenes: squares and products stay finite
+#: mm, as in scenes: squares and products stay finite; chosen
 MAX_COORDINATE = 1e9
-MIN_POINTS = 8
-MAX_POINTS = 100_000
+MIN_POINTS = 8  # chosen
+MAX_POINTS = 100_000  # chosen
 MIN_CORNERS = 3
-#: of a polygon; more of them draw a smooth outline
+#: of a polygon; more of them draw a smooth outline; chosen
 MAX_CORNERS = 1000
-#: a polygon that turns by more than this at one point does not describe a smooth outline
+#: a polygon that turns by more than this at one point does not describe a smooth outline; chosen
 MAX_TURN = 60.0
-#: neighbouring points nearer than this share of the outline's size are one: programs write six or seven digits
+#: neighbouring points nearer than this share of the outline's size are one: programs write six or seven
+#: digits; round-off
 SAME = 1e-6
-#: bytes of a file of points: the longest outline, every coordinate with 40 characters, and as much in remarks
+#: bytes of a file of points: the longest outline, every coordinate with 40 characters, and as much in remarks; chosen
 MOST = 16_000_000
 #: a line that may be quoted without knowing what is in the file
 _NUMBERS = re.compile(r"[\d\s.,;+\-eE]*", re.ASCII)
-#: characters of a line that are quoted
+#: characters of a line that are quoted; chosen
 QUOTED = 60
 
 

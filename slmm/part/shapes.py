@@ -9,10 +9,10 @@ from slmm.part.outline import SMALLEST_TURN
 
 Array = NDArray[np.float64]
 
-#: points per full turn of the tangent
+#: points per full turn of the tangent; chosen
 POINTS_PER_TURN = 360
-MAX_POINTS = 8000
-#: angle (rad) between the points of an arc that is a piece of its own; its curvature is then good to 3e-5
+MAX_POINTS = 8000  # chosen
+#: angle (rad) between the points of an arc that is a piece of its own; its curvature is then good to 3e-5; chosen
 ARC_STEP = 0.005
 
 

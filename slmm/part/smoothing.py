@@ -15,15 +15,15 @@ from scipy.sparse.linalg import splu
 
 Array = NDArray[np.float64]
 
-#: weight of a point that the outline must pass through, and of straightness
-HELD, STRAIGHT = 1e6, 1e7
-#: rounds in which the wavelength follows the bends
+#: weight of a point that the outline must pass through, and of straightness; chosen
+HELD_WEIGHT, STRAIGHT_WEIGHT = 1e6, 1e7
+#: rounds in which the wavelength follows the bends; chosen
 ROUNDS = 5
-#: bends by less than this over the curvature of a circle of the same length are the waves that remain
+#: bends by less than this over the curvature of a circle of the same length are the waves that remain; chosen
 REMAINS = 1.4
-#: by how much the wavelength may change along the contour, pixels per pixel
+#: by how much the wavelength may change along the contour, pixels per pixel; chosen
 GRADING = 0.3
-#: the sharpest bend that is followed
+#: the sharpest bend that is followed; chosen
 LEAST_RADIUS = 1.5
 
 
@@ -37,7 +37,7 @@ def smoothed(
     points : (n, 2) array
         ``step`` apart.
     weights : (n,) array
-        1 for a point of the contour, `HELD` where the result must pass, 0 where nothing is known.
+        1 for a point of the contour, `HELD_WEIGHT` where the result must pass, 0 where nothing is known.
     straight : (n,) array of bool
         Where the result is a straight line.
     wavelength : (n,) array
@@ -50,7 +50,7 @@ def smoothed(
     third, second = _differences(n, 3, closed), _differences(n, 2, closed)
     # a third difference stands for the middle of its four points, a second one for that of its three
     penalty = (0.5 * (np.roll(wavelength, -1) + np.roll(wavelength, -2)) / (2 * np.pi * step)) ** 6
-    line = STRAIGHT * (straight & np.roll(straight, -1) & np.roll(straight, -2))
+    line = STRAIGHT_WEIGHT * (straight & np.roll(straight, -1) & np.roll(straight, -2))
     matrix = (
         diags_array(weights)
         + third.T @ diags_array(penalty[: third.shape[0]]) @ third

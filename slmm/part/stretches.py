@@ -13,20 +13,21 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import hilbert
 
 from slmm.part.flanks import STEP, Flank, Noise, evenly_spaced, straight_flank
-from slmm.part.smoothing import HELD, curvatures, smoothed, wavelengths
+from slmm.part.smoothing import HELD_WEIGHT, curvatures, smoothed, wavelengths
 from slmm.part.vertices import SMALLEST_TURN, Vertex
 
 Array = NDArray[np.float64]
 
-#: angle (rad) and distance between the points of a smooth stretch
+#: angle (rad) and distance between the points of a smooth stretch; all chosen
 TURN_PER_POINT, FARTHEST, NEAREST = 0.03, 4.0, 0.2
-#: second smoothing: so many times the wavelength; what it changes is taken for the error of the first
+#: second smoothing: so many times the wavelength; what it changes is taken for the error of the first; chosen
 SECOND = 1.4
-#: a bend that is followed point by point with less than so many blurs as its radius is known to so many of them
+#: a bend that is followed point by point with less than so many blurs as its radius is known to so many of
+#: them; both chosen
 TIGHT, KNOWN = 6.0, 2.0
-#: longest waves that a straight stretch may hide
+#: longest waves that a straight stretch may hide; chosen
 HIDDEN = 60.0
-#: pixels over which the noise that is left in an outline hangs together
+#: pixels over which the noise that is left in an outline hangs together; chosen
 CORRELATION = 2.0
 
 
@@ -125,7 +126,7 @@ def stretch_between(points: Array, closed: bool, one: Mark, other: Mark, contour
     head, tail = _lead(one.point, one.behind), _lead(other.point, other.before)
     even = evenly_spaced(np.concatenate([head, inner, tail[::-1]]), closed=False)
     weights = np.ones(len(even))
-    weights[[0, -1]] = HELD
+    weights[[0, -1]] = HELD_WEIGHT
     along = STEP * np.arange(len(even))
     straight = np.zeros(len(even), dtype=bool)
     for flank, distance in ((one.behind, along), (other.before, along[::-1])):

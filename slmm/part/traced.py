@@ -33,20 +33,22 @@ from slmm.part.vertices import Vertex, find_vertices
 
 Array = NDArray[np.float64]
 
-#: within this distance of the picture's border the blur has bent the contour
+#: within this distance of the picture's border the blur has bent the contour; chosen
 BORDER = 2.0
 #: how far flanks go on beyond the border, so that the corner which follows lies outside the plate, and how much of
-#: them is extrapolated at most
+#: them is extrapolated at most; both chosen
 BEYOND, FARTHEST_BEYOND = 1.0, 12.0
-#: outside the plate a notch is a polygon through the points beyond this distance, simplified to this deviation
+#: outside the plate a notch is a polygon through the points beyond this distance, simplified to this
+#: deviation; both chosen
 OUTSIDE, SIMPLIFIED = 4.0, 1.0
-#: farthest that an outline may lie from its contour: blur takes 0.8 of its standard deviation off a right angle
+#: farthest that an outline may lie from its contour: blur takes 0.8 of its standard deviation off a right
+#: angle; chosen
 DEPARTS = 2.0
-#: turn (rad) per piece up to which an outline of even pieces follows a bend
+#: turn (rad) per piece up to which an outline of even pieces follows a bend; chosen
 FINEST = 0.2
-#: turn (rad) between neighbouring points at which even a smooth stretch is split
+#: turn (rad) between neighbouring points at which even a smooth stretch is split; chosen
 SPLIT = 0.3
-#: a wavelength shorter than this share of the longest is one that follows a bend
+#: a wavelength shorter than this share of the longest is one that follows a bend; chosen
 FOLLOWS_BEND = 0.8
 
 

@@ -14,9 +14,10 @@ from slmm.part.outline_splines import turns_at
 
 Array = NDArray[np.float64]
 
-#: outlines that cross at less than this angle (rad) touch: where, is better told by a corner of one of them
+#: outlines that cross at less than this angle (rad) touch: where, is better told by a corner of one of them; chosen
 TOUCHING = 0.02
-#: where stretches of other outlines touch, the point is known to about a millionth of them, and the angle to its root
+#: where stretches of other outlines touch, the point is known to about a millionth of them, and the angle to its
+#: root; chosen
 TOUCHING_TURN = 0.01
 
 

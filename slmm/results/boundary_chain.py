@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 
 from slmm.results.boundary_edges import boundary_edges
 
-#: nodes closer than this share of the shortest boundary edge lie on each other
+#: nodes closer than this share of the shortest boundary edge lie on each other; chosen
 COINCIDENT = 1e-4
 #: a turn to the left by nearly half a turn would be a needle of material without thickness: it is one to the right, of
-#: faces that overlap by rounding, rad
+#: faces that overlap by rounding, rad; chosen
 NEEDLE = 0.02
 
 

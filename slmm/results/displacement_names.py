@@ -44,7 +44,7 @@ _DIRECTION = re.compile(
 #: directions in three ways of counting; what begins with 0 has a 1 and a 2 as well
 _AXES = ("xyz", "012", "123")
 
-#: two data are the same when they differ by less than this share of their largest value: single precision
+#: two data are the same when they differ by less than this share of their largest value: single precision; round-off
 SAME = 1e-6
 
 #: how meshio names the steps of a MED file: "name[0] - time"

@@ -30,7 +30,7 @@ NAMED = {
 #: types that carry nothing in a plane or solid model
 THIN = ("SPHERE", "CIRCLE", "NODE", "BEAM", "BAR", "EDGE", "TRUSS", "ROD", "NULL")
 
-#: by how much compression in a netCDF-4 file may shrink an array: DEFLATE's limit
+#: by how much compression in a netCDF-4 file may shrink an array: DEFLATE's limit; published
 LARGEST_RATIO = 1032
 
 

@@ -23,7 +23,7 @@ from slmm.results.plane_elements import PLANE_ELEMENTS
 TOUCH = 1e-6
 #: a point this close to the model is covered by it: how far a notch may bulge over the chord of a linear element
 #: that is not too coarse for it (0.4 radii long), in element sizes; chosen
-COVERED = 0.05
+COVERS = 0.05
 
 
 class _Places(NamedTuple):
@@ -130,7 +130,7 @@ class DisplacementField:
                 u[index] += np.einsum("nd,nde->ne", places.offset[index], slope)
         return u
 
-    def covers(self, points: np.ndarray, tolerance: float = COVERED) -> np.ndarray:
+    def covers(self, points: np.ndarray, tolerance: float = COVERS) -> np.ndarray:
         """Which points (k, 2), mm, lie in the model, or beside it by no more than ``tolerance`` element sizes.
 
         The outline of a model of straight-edged elements cuts the corners of a round notch; the default lets points

@@ -30,8 +30,8 @@ COMPONENTS = {
 }
 
 
-#: of the six digits of a .frd file, as a share of the largest coordinate
-ROUND_OFF = 1e-5
+#: of the six digits of a .frd file, as a share of the largest coordinate; round-off
+FRD_DIGITS = 1e-5
 
 
 class FileField(NamedTuple):
@@ -188,7 +188,7 @@ def _coordinates(nodes: np.ndarray, inp: InpModel, plane: bool) -> np.ndarray:
     # by their place: solids that stand for plane elements have nodes of their own
     d = 2 if plane else 3
     off, nearest = cKDTree(inp.nodes[:, :d]).query(nodes[:, :d])
-    same = off <= ROUND_OFF * np.abs(nodes).max()
+    same = off <= FRD_DIGITS * np.abs(nodes).max()
     result = nodes.copy()
     result[same, :d] = inp.nodes[nearest[same], :d]
     return result

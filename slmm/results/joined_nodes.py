@@ -16,10 +16,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-#: coordinates are the same within this share of the model's size: the digits of a file or of single precision
+#: coordinates are the same within this share of the model's size: the digits of a file or of single
+#: precision; round-off
 SAME_PLACE = 1e-6
 #: displacements are the same within this share of their range, and this one of the largest, where a rigid motion takes
-#: digits away: single precision, or six digits in a text. A crack of 1e-3 of the part is open by more
+#: digits away: single precision, or six digits in a text. A crack of 1e-3 of the part is open by more; round-off
 SAME_IN_RANGE, SAME_OF_LARGEST = 1e-5, 1e-6
 #: places within that distance of a place, on average, beyond which coordinates have too few digits; chosen
 MOST_NEIGHBOURS = 10

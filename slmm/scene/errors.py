@@ -9,8 +9,8 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-MAX_LISTED = 20
-MAX_KEY = 120  # characters
+MAX_LISTED = 20  # chosen
+MAX_KEY = 120  # characters; chosen
 
 _TYPES = {
     "missing": "is missing",

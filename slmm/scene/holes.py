@@ -13,7 +13,7 @@ from slmm.part.outline import Outline
 from slmm.part.points import point_problems, polygon_problems, read_points, without_repetition
 from slmm.scene.values import Angle, File, Length, Number, PlanePoint, PlanePoints, Radius, Table, exactly_one
 
-#: radius over the length of the outline down to which a spline through points can follow a rounded corner
+#: radius over the length of the outline down to which a spline through points can follow a rounded corner; computed
 SHARPEST_OF_SPLINE = 7e-4
 
 

@@ -10,7 +10,7 @@ from slmm.scene.loading import Load
 #: share of an edge below which its material does not count; chosen
 LEAST = 1e-4
 #: force and moment of a uniform stress on top and bottom that may be left, over the force; the curves' polygons are
-#: this far off their crossings with an edge, at most
+#: this far off their crossings with an edge, at most; chosen
 UNBALANCED = 1e-4
 
 

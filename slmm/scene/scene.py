@@ -26,7 +26,7 @@ from slmm.scene.values import Table, Title
 if TYPE_CHECKING:
     from slmm.part.rays import Lines
 
-#: of an outline as a polygon, where it keeps lines from passing
+#: of an outline as a polygon, where it keeps lines from passing; chosen
 POLYGON_POINTS = 400
 
 

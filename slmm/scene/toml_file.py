@@ -9,7 +9,7 @@ from typing import Any
 
 from slmm.running.input_file import read_text
 
-#: a scene that lists the 100,000 points of the longest outline has 4 MB
+#: a scene that lists the 100,000 points of the longest outline has 4 MB; chosen
 MOST = 20_000_000
 #: more digits than Python makes a number of
 _ENDLESS = re.compile(r"\d[\d_]{4299,}")

@@ -12,7 +12,7 @@ from slmm.mechanics.material import LEAST, MOST
 from slmm.running.encoding import without_control
 from slmm.running.input_file import input_problem
 
-#: characters
+#: characters; chosen
 LONGEST_TITLE = 1000
 
 

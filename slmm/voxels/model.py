@@ -35,7 +35,8 @@ class NotHeldError(ValueError):
 #: Chosen on random plates (validation/voxel_robustness.py); a plate with one hole has 1e-5 after 8 and needs 13.
 SLOW = {6: 1.0, 8: 1e-3, 10: 1.0, 14: 1.0, 16: 1e-6, 24: 1e-6, 36: 1e-6}
 
-#: iterations after which material in pieces is refused; random plates in one piece needed fewer (the same script)
+#: iterations after which material in pieces is refused; random plates in one piece needed fewer (the same
+#: script); measured
 PATIENCE = 60
 
 

@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 
 from slmm.fem.element_size import (
     ACROSS_GAP,
-    GROWTH,
+    SIZE_GROWTH,
     ElementSize,
     SizePolicy,
     all_sizes,
@@ -48,7 +48,7 @@ def test_size_is_the_least_that_any_source_allows(sources, prescribed, points):
     size = ElementSize(10.0)
     size.prescribe(sources, prescribed)
     distance = np.linalg.norm(points[:, None] - sources, axis=-1)
-    expected = np.minimum((prescribed + GROWTH * distance).min(axis=1), 10.0)
+    expected = np.minimum((prescribed + SIZE_GROWTH * distance).min(axis=1), 10.0)
     assert size(points) == pytest.approx(expected)
     assert np.all(size(sources) <= np.minimum(prescribed, 10.0) * (1 + 1e-12))
 
@@ -58,7 +58,7 @@ def test_size_never_grows_faster_than_the_mesher_follows(sources, prescribed, po
     size = ElementSize(10.0)
     size.prescribe(sources, prescribed)
     apart = np.linalg.norm(points - others, axis=1)
-    assert np.all(np.abs(size(points) - size(others)) <= GROWTH * apart + 1e-9)
+    assert np.all(np.abs(size(points) - size(others)) <= SIZE_GROWTH * apart + 1e-9)
 
 
 @pytest.mark.parametrize("angle_max", [0.06, 0.25])

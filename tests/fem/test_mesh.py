@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from slmm.fem.element_size import GROWTH, SizePolicy
+from slmm.fem.element_size import SIZE_GROWTH, SizePolicy
 from slmm.fem.mesh import PlateMesh, plate_mesh
 from slmm.fem.triangulation import MesherError, triangulated
 from slmm.part.outline import Outline
@@ -122,7 +122,7 @@ def test_elements_around_a_hole_grow_as_they_should_whatever_its_radius(radius, 
     corner = mesh.vertices[mesh.triangles]
     longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=-1).max(axis=1)
     away = np.linalg.norm(corner.mean(axis=1) - (30, 60), axis=1) - radius
-    wanted = np.minimum(100 / 12, angle_max * radius + GROWTH * np.maximum(away, 0.0))
+    wanted = np.minimum(100 / 12, angle_max * radius + SIZE_GROWTH * np.maximum(away, 0.0))
     assert np.max(longest / wanted) < 3.0
     squares = ((corner - np.roll(corner, 1, axis=1)) ** 2).sum(axis=(1, 2))
     assert np.min(4 * np.sqrt(3) * areas(mesh) / squares) > 0.4  # 1 is equilateral
