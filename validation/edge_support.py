@@ -2,7 +2,7 @@
 
 For holes of several sizes and places under the three kinds of load, the share rho of the held cell's stiffness that
 would make G_inc right at a quarter of the notch radius is set against the estimate from the distances of the edges.
-The factors in the package were fitted to cases marked "fit"; the others test them. Writes
+The factors in the package were fitted to cases marked "fit" (fit_support.py); the others test them. Writes
 validation/results/edge_support.csv and .png; two minutes, ``--quick`` a few cases and no files.
 """
 
@@ -67,14 +67,14 @@ def compare(scene: Scene, point: tuple[float, float]) -> dict[str, float]:
     reference = full_fea_curves(scene, 0, s, 1.2 * a, n_lengths=12, a_min=0.1 * a)
     true = float(np.interp(a, reference.a, reference.G_inc / reference.a)) * a
 
-    def released(method: str) -> tuple[float, float]:
-        # the stress releases the energy: with wide cells the comparison would mix in their errors
-        settings = replace(DEFAULT, wide=DEFAULT.fine)
-        result = failure_indices(scene, method, settings=settings, curves=True).isel(position=0)
-        return float(np.interp(a, result.a, result.G_inc)), float(result.edge_support)
-
-    ours, rho = released("slmm+ac")
-    held, _ = released("slmm")
+    # the stress releases the energy: with wide cells the comparison would mix in their errors
+    settings = replace(DEFAULT, wide=DEFAULT.fine)
+    mixed, of_held = (
+        failure_indices(scene, method, settings=settings, curves=True).isel(position=0)
+        for method in ("slmm+ac", "slmm")
+    )
+    ours, held = (float(np.interp(a, result.a, result.G_inc)) for result in (mixed, of_held))
+    rho = float(mixed.edge_support)
     # 1/G = (1 - rho)/G_u + rho/G_h, so without the edges
     unbounded = (1 - rho) / (1 / ours - rho / held)
     needed = (1 / true - 1 / unbounded) / (1 / held - 1 / unbounded)
@@ -84,6 +84,8 @@ def compare(scene: Scene, point: tuple[float, float]) -> dict[str, float]:
         "with edges": ours / true - 1,
         "rho": rho,
         "rho needed": needed,
+        "cell height": float(mixed.cell_height),
+        "cell curvature": float(mixed.curvature),
     }
 
 

@@ -7,7 +7,7 @@ sums:
 
     1/G = (1 - rho)/G_unbounded + rho/G_held,   rho = sum_edges k/d^2 / sum_cell 1/d^2
 
-The factors k were fitted to full FEA of holes with radii of 20 and 30 mm in a plate of 100 mm x 100 mm and tested on
+The factors k come from full FEA of holes with radii of 20 and 30 mm in a plate of 100 mm x 100 mm and were tested on
 others (validation/edge_support.py); a free edge has k < 0. Where no crack starts in such a plate (one that points at
 the edge by which the plate is pulled) nothing was measured, and no correction is made.
 """
@@ -22,7 +22,8 @@ from slmm.part.rays import Lines, are_inside, distances_along
 from slmm.scene.loading import Condition, plate_edges
 from slmm.scene.scene import Scene
 
-#: k of an edge that the crack points at, and of one beside it, for what holds the edge
+#: k of an edge that the crack points at, and of one beside it, for what holds the edge; of held edges fitted, within
+#: 0.1, the others chosen between the fits with and without a plate that bends (validation/fit_support.py)
 FACTORS = {
     "held": (0.8, 1.6),  # both displacements prescribed
     "rolling": (0.0, 2.2),  # the normal one prescribed; 0: not measured
@@ -30,10 +31,10 @@ FACTORS = {
     "loaded": (0.0, -5.5),  # a given traction: the crack lets the part beyond it turn away
 }
 
-#: the way to the edge begins beside the notch, at this share of it
+#: the way to the edge begins beside the notch, at this share of it; chosen
 BESIDE = 0.02
 
-#: rho beyond which edges and other notches are too near for the estimate
+#: rho beyond which edges and other notches are too near for the estimate; chosen
 LIMIT = 0.7
 
 
@@ -53,21 +54,33 @@ def edge_support(
     height, curvature : ndarray (n,)
         Of the cells, mm and 1/mm; NaN where there is none.
     """
+    shares = edge_shares(scene, outline, s, height, curvature)
+    total = sum(FACTORS[what][beside] * share for (what, beside), share in shares.items())
+    return np.clip(total, -LIMIT, LIMIT)
+
+
+def edge_shares(
+    scene: Scene, outline: Outline, s: np.ndarray, height: np.ndarray, curvature: np.ndarray
+) -> dict[tuple[str, int], np.ndarray]:
+    """What rho is made of, as in `edge_support`: sums (n,) of 1/d^2 over that of the cell.
+
+    By what holds the edges (a key of `FACTORS`) and where they lie (0: the crack points at them, 1: beside it).
+    """
     scale = height / CELL_HEIGHT
     front = scale * (CELL_LENGTH + curvature * scale)
     of_cell = 1 / front**2 + 2 / scale**2
     start, normal, tangent = outline.points(s), outline.normals(s), outline.tangents(s)
-    total = np.zeros(len(s))
     bottom, right, *_ = plate_edges(scene.plate.width, scene.plate.height)
     # opposite edges are held alike
     edges = [_holds(scene.loading.at_edge(*edge)) for edge in (bottom, right)]
+    shares = {(what, beside): np.zeros(len(s)) for what in FACTORS for beside in (0, 1)}
     for direction, beside in ((normal, 0), (tangent, 1), (-tangent, 1)):
         distance, horizontal = _to_edge(start, direction, scene.plate.width, scene.plate.height)
         # other notches on the way, or this one, keep the edge's answer away
         seen = ~_blocked(scene.notches, start, direction, distance)
-        k = np.where(horizontal, FACTORS[edges[0]][beside], FACTORS[edges[1]][beside])
-        total += np.where(seen, k / distance**2, 0.0)
-    return np.clip(total / of_cell, -LIMIT, LIMIT)
+        for what, meets in zip(edges, (horizontal, ~horizontal), strict=True):
+            shares[what, beside] += np.where(seen & meets, 1 / distance**2, 0.0) / of_cell
+    return shares
 
 
 def _holds(condition: Condition) -> str:
