@@ -25,13 +25,13 @@ from slmm.mechanics.material import Material
 from slmm.mechanics.williams import singular_exponent
 from slmm.part.accuracy import Accuracy
 
-#: standard deviations that cover nineteen of twenty
-COVERED = 2.0
-#: how far a narrow notch's tip may lie from where it is in the outline, in largest radii: where its flanks meet, and
-#: where they were not followed to a corner; drawn notches of 3 to 6 degrees then end 10 to 20 pixels before their tip,
-#: with a largest radius of 2; fitted to these (tests/contours/test_picture.py)
+#: standard deviations that cover nineteen of twenty; computed
+DEVIATIONS = 2.0
+#: how far a narrow notch's tip may lie from where it is in the outline, in largest radii: where its flanks meet
+#: (chosen), and where they were not followed to a corner (fitted to drawn notches of 3 to 6 degrees, which then end
+#: 10 to 20 pixels before their tip, with a largest radius of 2: validation/fit_outline_errors.py)
 FARTHEST_OF_CORNER, FARTHEST_OF_BEND = 2.0, 12.0
-#: longest crack at a tip, in Irwin's lengths and in radii of the root: the critical one is shorter
+#: longest crack at a tip, in Irwin's lengths and in radii of the root: the critical one is shorter; both chosen
 IN_IRWIN_LENGTHS, IN_RADII = 3.0, 4.0
 
 
@@ -73,7 +73,7 @@ def waves_error(accuracy: Accuracy, points: np.ndarray, crack: np.ndarray) -> np
     wavelength = accuracy.wavelength[nearest]
     reach = 2 * np.pi * crack / wavelength
     decayed = -np.expm1(-reach) / np.maximum(reach, 1e-12)
-    error = COVERED * accuracy.stress[nearest] * np.where(reach > 1e-6, decayed, 1.0)
+    error = DEVIATIONS * accuracy.stress[nearest] * np.where(reach > 1e-6, decayed, 1.0)
     # an outline may be traced in one part and exact in another
     return np.where(distance <= wavelength, error, 0.0)
 
@@ -90,7 +90,7 @@ def tips_error(
             continue  # the material's corner, where there is no tension
         radius, least, largest = (float(r) for r in radii)
         at_tip = rounding_error(float(np.pi - turn), radius, least, largest, material, average)
-        at_tip += angle_error(float(np.pi - turn), COVERED * float(spread), size, material)
+        at_tip += angle_error(float(np.pi - turn), DEVIATIONS * float(spread), size, material)
         distance = np.maximum(np.hypot(*(points - tip).T), 1e-300)
         error = np.maximum(error, at_tip * np.minimum(1.0, largest / distance))
         farthest = FARTHEST_OF_CORNER if spread > 0 else FARTHEST_OF_BEND

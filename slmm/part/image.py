@@ -28,9 +28,9 @@ from slmm.part.traced import traced_outline
 
 Array = NDArray[np.float64]
 
-#: an outline smaller than this says nothing about curvature; it is more likely dirt than a hole
+#: an outline smaller than this says nothing about curvature; it is more likely dirt than a hole; chosen
 MIN_PIXELS_ACROSS = 8
-#: the picture goes on by this many pixels beyond its border, so that notches end outside the plate
+#: the picture goes on by this many pixels beyond its border, so that notches end outside the plate; chosen
 FRAME = 40
 
 
@@ -49,10 +49,11 @@ class Edges:
     offset: float  #: by which a whole edge may be off: of stairs, a pixel may have gone to either side
 
 
+#: deviations fitted to drawn circles and squares (validation/fit_outline_errors.py), the rest chosen
 ANTIALIASED = Edges(blur=0.7, deviation=0.03, correlation=2.0, wavelength=2.0, offset=0.1)
 STAIRS = Edges(blur=1.0, deviation=0.15, correlation=5.0, wavelength=4.0, offset=0.5)
-#: pixels by which noise of the whole contrast would move an edge after the blur (0.8), and half as much again
-#: because noise that is clipped at black and white looks smaller than it is on the grey edge
+#: pixels by which noise of the whole contrast would move an edge after the blur (0.8, computed), and half as much
+#: again (chosen), because noise that is clipped at black and white looks smaller than it is on the grey edge
 GRAIN_TO_EDGE = 1.2
 #: the wavelength over a deviation to this power is the same for both kinds of edges; noise lies between
 WAVELENGTH_EXPONENT = np.log(STAIRS.wavelength / ANTIALIASED.wavelength) / np.log(

@@ -17,29 +17,33 @@ from slmm.part.flanks import STEP, Flank, Noise, at_index, crossing, flank_besid
 
 Array = NDArray[np.float64]
 
-#: smallest turn at a vertex, rad: a flatter corner (opening 163 degrees) hardly raises the stress
+#: smallest turn at a vertex, rad: a flatter corner (opening 163 degrees) hardly raises the stress; chosen
 SMALLEST_TURN = 0.3
-#: and in standard deviations of the angle between the flanks
+#: and in standard deviations of the angle between the flanks; chosen
 CERTAIN = 4.0
-#: distances from a vertex at which its flanks may begin: beyond the blur, and beyond arcs of some radius
+#: distances from a vertex at which its flanks may begin: beyond the blur, and beyond arcs of some radius; chosen
 GAPS = (2.0, 3.5, 6.0)
 #: and where a notch is so narrow that the picture does not show its last pixels: there its flanks turn by at least
-#: this much, rad (an opening of 25 degrees), and by no more than lines that a picture tells from parallel ones
+#: this much, rad (an opening of 25 degrees), and by no more than lines that a picture tells from parallel
+#: ones; all chosen
 NARROW_GAPS, NARROW, PARALLEL = (10.0, 16.0), 2.7, 3.08
-#: vertices nearer to each other than this are one; and how far one may lie from the contour, beside its gap
+#: vertices nearer to each other than this are one; and how far one may lie from the contour, beside its
+#: gap; both chosen
 APART, AWAY = 3.0, 2.0
-#: a vertex bends with at most this share of its flanks' radius, and this radius: others are followed point by point
+#: a vertex bends with at most this share of its flanks' radius, and this radius: others are followed point by
+#: point; both chosen
 TIGHT, LARGEST_RADIUS = 0.4, 6.0
-#: a bend that may have a larger radius than this may be a wave of the contour
+#: a bend that may have a larger radius than this may be a wave of the contour; chosen
 UNSURE = 24.0
 #: up to this turn (rad) a vertex must be told from a smooth bend: a polynomial of degree 4 leaves more than the flanks
-#: do by this factor
+#: do by this factor; both chosen
 GENTLE, WORSE = 1.2, 1.4
-#: area that the chords of a traced contour cut off at a corner beside the blur, measured on drawn polygons with sharp
-#: and round corners, and its standard deviation
+#: area that the chords of a traced contour cut off at a corner beside the blur, and its standard deviation; fitted to
+#: sharp corners of drawn polygons (validation/fit_outline_errors.py)
 CHORDS, CHORDS_SPREAD = 0.2, 0.1
 #: turn (degrees) of a sharp corner, and the radius of the arc that cuts off as much of it as a Gaussian blur of
-#: standard deviation 1 does, times tan(turn/2); computed
+#: standard deviation 1 does, times tan(turn/2); computed, but too small by 2 and 4 % in the last two, which should be
+#: 3.75 and 5.19 (validation/fit_outline_errors.py)
 BLURRED_TURN = (20.0, 45.0, 75.0, 90.0, 110.0, 130.0, 150.0, 160.0)
 BLURRED_RADIUS = (1.73, 1.78, 1.90, 2.01, 2.23, 2.65, 3.66, 5.0)
 
@@ -158,10 +162,7 @@ def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -
         if abs(turn) < max(least_turn, CERTAIN * of_turn) or abs(turn) > PARALLEL:
             continue
         per_square = np.tan(abs(turn) / 2) - abs(turn) / 2
-        number = round(gap / STEP)
-        around = points[at_index(i + np.arange(-number, number + 1), len(points), closed)]
-        sides = [flanks[1].points(np.linspace(0, u_1, 9)), flanks[0].points(np.linspace(u_0, 0, 9))]
-        cut_off = -np.sign(turn) * _area(np.concatenate([around, *sides])) - CHORDS
+        cut_off = area_cut_off(points, closed, i, gap, flanks, (u_0, u_1), turn) - CHORDS
         spread = np.linalg.norm(
             [
                 place_0 * gap / 2,
@@ -189,6 +190,25 @@ def _vertex_at(points: Array, closed: bool, i: int, noise: Noise, blur: float) -
         bounds = (radius, least, largest)
         return Vertex(int(i), meeting, turn, of_turn, *bounds, gap, flanks)
     return None
+
+
+def area_cut_off(
+    points: Array,
+    closed: bool,
+    i: int,
+    gap: float,
+    flanks: tuple[Flank, Flank],
+    ends: tuple[float, float],
+    turn: float,
+) -> float:
+    """Area between a contour, within a gap of a point, and its two flanks, which go on up to where they meet.
+
+    ``ends`` are the places along the flanks where they do, ``turn`` is the angle by which the contour turns, rad.
+    """
+    number = round(gap / STEP)
+    around = points[at_index(i + np.arange(-number, number + 1), len(points), closed)]
+    sides = [flanks[1].points(np.linspace(0, ends[1], 9)), flanks[0].points(np.linspace(ends[0], 0, 9))]
+    return -float(np.sign(turn)) * _area(np.concatenate([around, *sides]))
 
 
 def _is_smooth(
