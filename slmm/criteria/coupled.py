@@ -15,7 +15,7 @@ from slmm.mechanics.material import Material
 GOVERNED_BY = ("stress and energy", "energy", "stress", "none")
 BOTH, ENERGY, STRESS, NONE = range(4)
 
-#: points at which curves given by a user are sampled
+#: points at which curves given by a user are sampled; chosen
 SAMPLES = 801
 
 

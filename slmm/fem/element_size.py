@@ -14,17 +14,17 @@ from slmm.part.crack import Crack
 from slmm.part.outline import AT_CORNER, Outline
 from slmm.part.part import Part
 
-#: growth of the element size with the distance from where it is prescribed, mm per mm
+#: growth of the element size with the distance from where it is prescribed, mm per mm; chosen
 SIZE_GROWTH = 0.3
 #: intervals on an outline whose turn is measured, more only where it bends sharply: digitised outlines are not smooth
-#: on a much finer scale; and the shortest of them over the outline's length
+#: on a much finer scale; and the shortest of them over the outline's length; both chosen
 INTERVALS, SHARPEST = 256, 1e-6
-#: elements in the narrowest part of a gap
+#: elements in the narrowest part of a gap; chosen
 ACROSS_GAP = 2
 #: a crack that turns by less goes straight on, rad; chosen, the stress at such a kink rises with r^-0.0006 at most
 STRAIGHT_ON = 1e-3
 
-#: squares that sample the size, in sizes: it changes by less than half over them
+#: squares that sample the size, in sizes: it changes by less than half over them; chosen
 SAMPLED = 2.0
 #: where the quarters of a square lie about its centre, in halves of their sides
 QUARTERS = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])

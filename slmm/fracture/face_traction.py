@@ -24,7 +24,7 @@ from slmm.results.boundary_edges import boundary_edges
 TIP_EDGES = 3
 #: stresses are in balance around a tip when the force on no node inside is more than this share of stress times edge:
 #: 1e-4 is the round-off of files with six digits, 0.04 are points of integration that are not the program's, 0.1 are
-#: stresses carried from the nodes
+#: stresses carried from the nodes; chosen between
 BALANCED = 5e-3
 #: edges at the tip where stresses out of balance make a traction that is not there, of which 1e-4 of the stress at the
 #: tip is left then (measured), and those that the traction is inferred from

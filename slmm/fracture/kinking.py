@@ -23,9 +23,11 @@ from slmm.mechanics.elasticity import Elasticity
 
 #: kinks beyond it are refused: there the series loses its digits; chosen
 LARGEST_KINK = pi / 2
-#: of |K_II|: by so much a computed K_I may be negative; a crack that is closed more firmly needs contact of its faces
+#: of |K_II|: by so much a computed K_I may be negative; a crack that is closed more firmly needs contact of its
+#: faces; chosen
 OVERLAP = 0.25
 
+#: coefficients by their power of angle/pi; published (Amestoy and Leblond 1992)
 _F_11 = {
     0: 1.0,
     2: -3 * pi**2 / 8,

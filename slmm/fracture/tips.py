@@ -16,8 +16,8 @@ import shapely
 from slmm.results.boundary_chain import BoundaryChain, boundary_chain
 from slmm.results.neighbourhood import interface_nodes
 
-#: faces are straight while their nodes are not farther off one line than this share of their distance from the tip, and
-#: the round-off of files with six digits, as a share of the largest coordinate
+#: faces are straight while their nodes are not farther off one line than this share of their distance from the tip
+#: (chosen), and the round-off of files with six digits, as a share of the largest coordinate
 STRAIGHT_FACES, SIX_DIGITS = 1e-3, 2e-6
 #: of a crack that is found by itself (chosen): the angle by which its faces open, rad, and how far they stand apart as
 #: a share of their length

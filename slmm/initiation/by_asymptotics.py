@@ -25,7 +25,7 @@ from slmm.mechanics.williams import exponents, singular_exponent
 from slmm.part.checks import TOLERANCE
 
 #: annulus on which Williams' series is fitted, in clear distances: nearer to the tip the mesh is poor, farther away
-#: the series converges slowly
+#: the series converges slowly; chosen
 ANNULUS = (0.05, 0.2)
 #: exponents of either symmetry; the next one of a crack has 0.2^4 of the first one's weight at the annulus'
 #: rim; chosen

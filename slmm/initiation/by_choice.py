@@ -32,7 +32,7 @@ from slmm.initiation.cell_errors import reference_stress
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
 
-#: with more voxels than this a body-fitted model is cheaper
+#: with more voxels than this a body-fitted model is cheaper; chosen
 VOXELS_AFFORDED = 700**2
 
 #: with at least this tolerance dislocations do with elements so many times as large, up to this effective Poisson's

@@ -31,7 +31,8 @@ from slmm.mechanics.richardson import extrapolated
 
 #: from so many positions on a model is condensed to its boundary; measured: the costs are then equal
 MANY = 16
-#: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest
+#: crack lengths at which the energy is computed, evenly spaced in log(a), and the shortest over the longest;
+#: both chosen
 LENGTHS, SHORTEST = 24, 1 / 100
 #: longest crack over the radius of a surface that is compared with a straight edge; chosen
 LONGEST_BESIDE_EDGE = 0.5

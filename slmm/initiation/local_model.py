@@ -21,8 +21,8 @@ from slmm.part.edges import material_on_edges, share_of_pieces
 from slmm.scene.loading import Loading
 from slmm.voxels.model import solve_voxels
 
-SMALLEST_SIDE = 16  # voxels along each side of the plate, at least
-POINTS_PER_VOXEL = 8  # of an outline: its polygon then deviates from the curve by far less than a voxel
+SMALLEST_SIDE = 16  # voxels along each side of the plate, at least; chosen
+POINTS_PER_VOXEL = 8  # of an outline: its polygon is then off the curve by far less than a voxel; chosen
 
 
 class _Plate(Protocol):
@@ -110,7 +110,7 @@ class LocalModel:
         }
 
 
-#: pieces of a plate that tell material from notches where the local model has no voxels
+#: pieces of a plate that tell material from notches where the local model has no voxels; chosen
 RASTER_PIECES = 400**2
 
 

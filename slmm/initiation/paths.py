@@ -18,7 +18,7 @@ IN_IRWIN_LENGTHS = 0.7
 LONGER = 4.0
 #: and as a share of the ligament; chosen
 IN_LIGAMENT = 0.8
-#: a ligament's computed end is this near to the true outline, as a share of the plate's longer side
+#: a ligament's computed end is this near to the true outline, as a share of the plate's longer side; chosen
 CLOSE = 1e-5
 #: steps from a surface into the body, as shares of the plate's width and height together; chosen
 OFFSETS = (1e-4, 1e-5, 1e-6)

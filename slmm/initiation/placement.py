@@ -15,12 +15,12 @@ from numba import njit, prange
 
 from slmm.running.threaded import threaded
 
-#: cell height and length in the image space (Paper A, Table 1)
+#: cell height and length in the image space; published (Paper A, Table 1)
 CELL_HEIGHT = 2.0
 CELL_LENGTH = 2.0
 
-#: growth of the cell from one trial to the next (Paper A, Eq. 27)
-GROWTH = 1.1
+#: growth of the cell from one trial to the next; published (Paper A, Eq. 27)
+CELL_GROWTH = 1.1
 
 #: why a cell stopped growing, or why there is none; the order is that of the codes
 STOPPED = (
@@ -226,7 +226,7 @@ def grow_cells(breaks, coefficients, s, first_height, largest_height, rule, c_mi
                 stopped[k] = code
                 if code != 1:  # an intruding cell may be valid again when it is larger
                     break
-            trial *= GROWTH
+            trial *= CELL_GROWTH
     return height, curvature, stopped
 
 

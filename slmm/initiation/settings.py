@@ -8,7 +8,7 @@ import numpy as np
 
 from slmm.initiation.placement import Constraints
 
-#: D_imp of Paper A, section 2.2.3: direction (0: xi, 1: eta), powers p, q
+#: D_imp, published (Paper A, section 2.2.3): direction (0: xi, 1: eta), powers p, q
 IMPORTANT_MODES = ((0, 1, 0), (0, 0, 1), (0, 1, 1), (1, 0, 1), (1, 1, 0))
 
 
@@ -83,10 +83,12 @@ _PAPER = Constraints(
     inside=2,
 )
 
-#: The package's own: cells so small that a parabola with the curvature at the mouth follows the outline.
+#: The package's own, chosen (validation/chart.py): cells so small that a parabola with the curvature at the mouth
+#: follows the outline.
 DEFAULT = Settings("default", "all", _smooth(0.005), _smooth(0.03), cell_voxels=10, relaxed="unbounded")
 
-#: Paper A's: the largest valid cell, five modes, force control as the upper bound, ten lengths, voids of 1 %.
+#: Paper A's, published: the largest valid cell, five modes, force control as the upper bound, ten lengths, voids of
+#: 1 %.
 PUBLISHED = Settings(
     "published",
     "important",

@@ -26,10 +26,10 @@ from slmm.voxels.element import coefficients, largest_eigenvalue
 
 Field = NDArray[np.float32]
 
-PADDING = 5  # n intervals have n + 1 nodes, and an array one zero before and three after them
-DIRECT = 300  # nodes below which a grid is solved directly
+PADDING = 5  # n intervals have n + 1 nodes, and an array one zero before and three after them; computed
+DIRECT = 300  # nodes below which a grid is solved directly; chosen
 NODES_PER_THREAD = (
-    25_000  # below, threads wait for each other longer than they work: 50 times on a busy machine
+    25_000  # below, threads wait for each other longer than they work: 50 times on a busy machine; measured
 )
 
 

@@ -17,7 +17,7 @@ from numba import prange
 
 from slmm.voxels.kernels import grid_kernel, inlined, residual_row, row_kernel, stencil_row
 
-BLOCK = 16  # coarse rows in sequence per task: fine rows shared by two coarse ones are computed once
+BLOCK = 16  # coarse rows in sequence per task: fine rows shared by two coarse ones are computed once; chosen
 
 
 @inlined
