@@ -65,3 +65,9 @@ def test_indices_are_those_of_the_last_version():
     # other processors round otherwise
     for check in checks:
         assert check.ours < 1e-5, check
+
+
+def test_boundary_integrals_have_exact_and_high_order_values():
+    checks = script("boundary_integrals").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+    assert len(checks) > 20
