@@ -253,7 +253,7 @@ def critical_intensity(opening: float, material: Material) -> CriticalIntensity:
     Examples
     --------
     >>> PMMA = Material.from_name("PMMA")
-    >>> round(critical_intensity(0.0, PMMA).k_1 * math.sqrt(2 * math.pi) / PMMA.K_Ic, 9)
+    >>> round(critical_intensity(0.0, PMMA).k_1 * float(np.sqrt(2 * np.pi)) / PMMA.K_Ic, 9)
     1.0
     """
     lam = singular_exponent(opening)

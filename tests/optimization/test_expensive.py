@@ -143,7 +143,8 @@ def test_killed_it_goes_on_with_every_value_bound_and_failure(workers, tmp_path)
     assert same(undisturbed, resumed) and undisturbed.failed == resumed.failed
     # all that a kill costs is what was under way
     twice = Counter((key, found) for key, _, found in evaluated(log))
-    assert sum(twice.values()) - len(twice) <= 3 * workers
+    # each of three kills loses what workers are at, and what is done and on its way to the journal
+    assert sum(twice.values()) - len(twice) <= 3 * 2 * workers
 
 
 def test_a_problem_that_fails_at_every_design_says_why(tmp_path):
