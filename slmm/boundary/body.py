@@ -10,7 +10,8 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from slmm.boundary.densities import Linear, displacement_of_boundary, parts
-from slmm.boundary.panels import Array, boundary_of, integration, panelled, rule
+from slmm.boundary.panels import boundary_of, panelled
+from slmm.boundary.rules import Array, integration, rule
 from slmm.mechanics.material import Material
 from slmm.mechanics.rigid import free_motions
 from slmm.mechanics.stress import kolosov, shear_modulus

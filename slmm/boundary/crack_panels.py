@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from slmm.boundary.panels import Array, Complex, rule
+from slmm.boundary.rules import Array, Complex, rule
 from slmm.part.crack import TIP
 from slmm.part.part import Part
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from slmm.boundary.crack_panels import CrackPanels, straight_rule, tip_rule
 from slmm.boundary.influence import TWO_PI_I, boundary_displacement, boundary_stress, crack_weights
-from slmm.boundary.panels import Array, Complex, Panels, refinement
+from slmm.boundary.panels import Panels
+from slmm.boundary.rules import Array, Complex, refinement
 
 
 class Linear(NamedTuple):

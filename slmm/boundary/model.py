@@ -17,7 +17,7 @@ from slmm.boundary.densities import (
     stress_of_boundary,
     traction_of,
 )
-from slmm.boundary.panels import Array, values_at
+from slmm.boundary.rules import Array, values_at
 from slmm.boundary.surface import Feet, feet, surface_stress
 from slmm.mechanics.material import Material
 from slmm.part.part import Part

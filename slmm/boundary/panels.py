@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from slmm.boundary.rules import Array, Complex, rule
 from slmm.fem.boundary import Piece, boundary_pieces
 from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
 from slmm.part.part import Part
-
-Array = NDArray[Any]
-Complex = NDArray[Any]
 
 #: panel on an outline over its smallest radius of curvature there, over its distance from other surfaces and from crack
 #: tips, and on straight edges over the part's smaller side (chosen on the cases of tests/boundary)
@@ -25,6 +21,10 @@ PER_RADIUS, PER_DISTANCE, PER_SIDE = 0.8, 1.0, 0.25
 #: the last panel before a corner that juts out, a mouth of a crack and a corner that points into the material, over the
 #: length of the side: solutions are smoother there by turns (chosen likewise)
 JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
+#: the same where conditions change on a straight edge (chosen)
+CHANGE = 0.05
+#: jumps of the curvature over the outline's largest one that end a panel (chosen)
+JUMP = 0.02
 
 
 class Stretch(NamedTuple):
@@ -127,48 +127,6 @@ class Panels:
         return len(self.z)
 
 
-@lru_cache
-def rule(p: int) -> tuple[Array, Array]:
-    """Points and weights of Gauss and Legendre on [-1, 1]."""
-    x, w = legendre.leggauss(p)
-    return x, w
-
-
-@lru_cache
-def refinement(p: int) -> Array:
-    """From values at p Gauss points to those at 2 p, shape (2 p, p)."""
-    x, _ = rule(p)
-    fine, _ = rule(2 * p)
-    return legendre.legvander(fine, p - 1) @ np.linalg.inv(legendre.legvander(x, p - 1))
-
-
-@lru_cache
-def integration(p: int) -> Array:
-    """From values at p Gauss points to integrals from -1 to each of them, and to 1 in the last row; (p + 1, p)."""
-    x, _ = rule(p)
-    coefficients = np.linalg.inv(legendre.legvander(x, p - 1))
-    at = np.append(x, 1.0)
-    powers = [legendre.legval(at, legendre.legint(np.eye(p)[n], lbnd=-1.0)) for n in range(p)]
-    return np.array(powers).T @ coefficients
-
-
-@lru_cache
-def _coefficients(p: int) -> Array:
-    x, _ = rule(p)
-    return np.linalg.inv(legendre.legvander(x, p - 1))
-
-
-def values_at(xi: Array, p: int) -> Array:
-    """From values at p Gauss points to those at places xi (k,) of the panel, -1 to 1; (k, p)."""
-    return legendre.legvander(xi, p - 1) @ _coefficients(p)
-
-
-def slopes_at(xi: Array, p: int) -> Array:
-    """The same for derivatives by xi."""
-    slopes = [legendre.legval(xi, legendre.legder(np.eye(p)[n])) for n in range(p)]
-    return np.array(slopes).T @ _coefficients(p)
-
-
 def boundary_of(part: Part, mouths: Sequence[complex], changes: Sequence[complex]) -> list[list[Stretch]]:
     """The closed curves around a part, each of stretches that end at corners and at some further points.
 
@@ -178,11 +136,29 @@ def boundary_of(part: Part, mouths: Sequence[complex], changes: Sequence[complex
     mouths, changes : sequence of complex
         Where cracks end on the boundary, and where conditions begin and end, mm.
     """
-    wanted = np.array([(z.real, z.imag) for z in (*mouths, *changes)]).reshape(-1, 2)
+    wanted = np.concatenate(
+        [
+            np.array([(z.real, z.imag) for z in (*mouths, *changes)]).reshape(-1, 2),
+            *(hole.points(_curvature_jumps(hole)) for hole in part.holes),
+        ]
+    )
     return [
         _graded([stretch for piece in ring for stretch in _stretches(piece, part)], mouths, part.tolerance)
         for ring in boundary_pieces(part.body, part.holes, wanted)
     ]
+
+
+def _curvature_jumps(hole: Outline) -> Array:
+    """Arc lengths (k,) where the curvature of an outline jumps, as where an arc goes over into a straight side, mm."""
+    a, b, c, _ = hole.coefficients
+    h = np.diff(hole.breaks)[:, None]
+
+    def bend(slope: Array, second: Array) -> Array:
+        return (slope[:, 0] * second[:, 1] - slope[:, 1] * second[:, 0]) / np.linalg.norm(slope, axis=1) ** 3
+
+    starts, ends = bend(c, 2 * b), bend((3 * a * h + 2 * b) * h + c, 6 * a * h + 2 * b)
+    jump = np.abs(starts - np.roll(ends, 1))
+    return hole.breaks[:-1][jump > JUMP * np.abs(starts).max(initial=1e-300)]
 
 
 def _stretches(piece: Piece, part: Part) -> list[Stretch]:
@@ -208,8 +184,10 @@ def _graded(stretches: list[Stretch], mouths: Sequence[complex], near: float) ->
         turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
         # where two straight stretches go on into each other, conditions change
         changes = stretch.outline is None and stretches[k - 1].outline is None and abs(turn) < SMALLEST_TURN
-        if changes or (len(breaks) and np.abs(breaks - stretch.start).min() <= near):
+        if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
             grade.append(MOUTH)
+        elif changes:
+            grade.append(CHANGE)
         else:
             grade.append(REENTRANT if turn < -SMALLEST_TURN else JUTTING)
     alone = len(stretches) == 1 and stretches[0].outline is not None

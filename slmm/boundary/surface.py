@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.boundary.panels import Array, Complex, Panels, slopes_at, values_at
+from slmm.boundary.panels import Panels
+from slmm.boundary.rules import Array, Complex, slopes_at, values_at
 from slmm.part.part import Part
 
 

@@ -36,6 +36,7 @@ class Status(StrEnum):
     CORNER = "no cell: sharp corner"
     CRACK_TIP = "no cell: crack tip"
     CRACKED = "no cell: the scene has cracks, which cells and voxels do not see"
+    UNKNOWN_SUPPORT = "no cell: what the edges lend to cells is known for [load] alone, not for [[boundary]]"
     NO_DISLOCATIONS = "a corner or crack tip, where dislocations do not start"
     NEAR_SINGULAR = "a corner or crack tip is so near that the stress depends on the mesh"
     TOUCHED = "no notch of its own: something else touches its tip"

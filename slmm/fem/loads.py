@@ -11,7 +11,7 @@ from skfem import MeshTri2
 
 from slmm.mechanics.rigid import free_motions
 from slmm.scene.load_checks import UNBALANCED
-from slmm.scene.loading import Condition, Loading
+from slmm.scene.loading import ON_STRETCH, Condition, Loading
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,7 @@ def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.
     """
     force, value = np.zeros_like(points), np.zeros_like(points)
     prescribed, supports = np.zeros(points.shape, dtype=bool), np.zeros(points.shape, dtype=bool)
+    _check_ends(loading, mesh)
     for condition in loading:
         on = condition.on(points)
         for i, component in enumerate(condition.displacement):
@@ -88,6 +89,22 @@ def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.
         for node, i in _supports(points, nodes, prescribed, _first_stretch(loading, points[nodes])):
             supports[node, i] = True
     return NodalLoad(force, prescribed | supports, value, supports, adrift)
+
+
+def _check_ends(loading: Loading, mesh: MeshTri2) -> None:
+    """Refuse a mesh whose boundary has no node where a condition ends: it would be taken for longer or shorter."""
+    a, b = (mesh.p[:, mesh.facets[k, mesh.boundary_facets()]].T for k in (0, 1))
+    along = b - a
+    length = np.linalg.norm(along, axis=1)
+    for x, y in np.unique(loading.ends, axis=0):
+        gap = np.array([x, y]) - a
+        share = (gap * along).sum(axis=1) / length**2
+        across = np.abs(gap[:, 0] * along[:, 1] - gap[:, 1] * along[:, 0]) / length
+        inside = (across < ON_STRETCH * length) & (share > 1e-6) & (share < 1 - 1e-6)
+        if inside.any():
+            raise ValueError(
+                f"the mesh has no node at ({x:g}, {y:g}), where a condition ends: make it with nodes_at = loading.ends"
+            )
 
 
 def pieces_of(mesh: MeshTri2, closed: np.ndarray) -> list[np.ndarray]:

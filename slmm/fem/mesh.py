@@ -128,6 +128,7 @@ def plate_mesh(
     path: np.ndarray | None = None,
     policy: SizePolicy | None = None,
     fine_at: tuple[np.ndarray, np.ndarray] | None = None,
+    nodes_at: np.ndarray | None = None,
 ) -> PlateMesh:
     """Mesh a part.
 
@@ -143,6 +144,9 @@ def plate_mesh(
         How fine.
     fine_at : (ndarray (k, 2), ndarray (k,)), optional
         Points of the boundary and of cracks where edges must not be longer than the sizes given, mm.
+    nodes_at : ndarray, shape (k, 2), optional
+        Points that have to be nodes if they lie on the boundary, as the ends of conditions, mm. Between two of them
+        that are neighbours there are two elements at least.
 
     Returns
     -------
@@ -183,6 +187,11 @@ def plate_mesh(
     size = all_sizes(policy or SizePolicy(), part, cracks, path)
     if fine_at is not None:
         size.prescribe(*fine_at)
+    if nodes_at is not None and len(nodes_at) > 1:
+        away = cKDTree(nodes_at).query(nodes_at, k=2)[0][:, 1]
+        apart = away > part.tolerance
+        size.prescribe(nodes_at[apart], away[apart] / 2)
+        mouths += list(nodes_at)
     rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
     pieces = [piece for ring in rings for piece in ring]
 

@@ -113,7 +113,7 @@ def solve_body_fitted(
     ImportError
         Without the extra ``fea``.
     """
-    mesh = plate_mesh(scene.part, None, SizePolicy(turn=angle_max), fine_at)
+    mesh = plate_mesh(scene.part, None, SizePolicy(turn=angle_max), fine_at, scene.loading.ends)
     coarse, fine = (
         PlateModel(each, scene.material, scene.loading, scene.part.thickness)
         for each in (mesh, mesh.refined())

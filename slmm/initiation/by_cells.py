@@ -17,6 +17,7 @@ from slmm.initiation.placement import STOPPED
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.uncracked import UncrackedField
 from slmm.mechanics.stress import principal
+from slmm.scene.scene import Scene
 
 #: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number; chosen
 VOXELS_PER_RADIUS = 20
@@ -49,6 +50,9 @@ def rows_with_cells(task: Task, answer: Answer) -> np.ndarray:
     """Positions that may have cells; the others get their status."""
     answer.status[np.isfinite(task.where.corner)] = Status.CORNER
     answer.status[task.where.tip >= 0] = Status.CRACK_TIP
+    if task.scene.load is None:
+        answer.status[task.smooth] = Status.UNKNOWN_SUPPORT
+        return np.empty(0, dtype=int)
     if task.scene.cracks:
         answer.status[task.smooth] = Status.CRACKED
         return np.empty(0, dtype=int)
@@ -64,12 +68,18 @@ def local_field(task: Task) -> UncrackedField:
 
         task.progress(0.0, "local model, body-fitted")
         return solve_body_fitted(task.scene)
-    if task.scene.analysis.local_model == "boundary":
+    if by_boundary_integrals(task.scene):
         from slmm.initiation.boundary_field import solve_boundary  # imports the kernels
 
         task.progress(0.0, "local model, boundary integrals")
         return solve_boundary(task.scene)
     return voxel_model(task)
+
+
+def by_boundary_integrals(scene: Scene) -> bool:
+    """Whether the local model is that: asked for, or because voxels do not know the conditions."""
+    asked = scene.analysis.local_model
+    return asked == "boundary" or (asked == "voxels" and scene.load is None)
 
 
 def voxel_model(task: Task) -> LocalModel:

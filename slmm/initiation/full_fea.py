@@ -163,7 +163,7 @@ def full_fea_curves(
     if size_max is None:
         size_max = float(np.ptp(part.outer, axis=0).min()) / 8
     path = origin + depth[:, None] * along
-    mesh = plate_mesh(part, path, SizePolicy(size_max, angle_max))
+    mesh = plate_mesh(part, path, SizePolicy(size_max, angle_max), nodes_at=scene.loading.ends)
     # where the tips are among the vertices of the path; a severed ligament has none
     tips = a if end is None else a[:-1]
     last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + tips[:, None] * along)[1]

@@ -109,7 +109,8 @@ def located(
             end, points[k] = surface_at(points[k], outer, holes, tolerance)
             ends.append(end)
         cracks.append(Crack(points, *ends))
-    return tuple(_on_others(crack, cracks, tolerance) for crack in cracks)
+    tree = shapely.STRtree([shapely.LineString(crack.points) for crack in cracks])
+    return tuple(_on_others(number, cracks, tree, tolerance) for number in range(len(cracks)))
 
 
 def surface_at(
@@ -117,8 +118,12 @@ def surface_at(
 ) -> tuple[End, Array]:
     """What surface a point (2,) lies on (a tip: on none), and where exactly, mm."""
     for k, hole in enumerate(holes):
+        near = tolerance + CHORDS * hole.length
+        low, high = hole.box
+        if ((point < low - near) | (point > high + near)).any():
+            continue
         nearest = hole.points(hole.project(point[None]))[0]
-        if np.linalg.norm(nearest - point) <= tolerance + CHORDS * hole.length:
+        if np.linalg.norm(nearest - point) <= near:
             return End("surface", k), nearest
     at = shapely.Point(point)
     if at.distance(outer) <= tolerance:
@@ -126,26 +131,24 @@ def surface_at(
     return TIP, point
 
 
-def _on_others(crack: Crack, cracks: Sequence[Crack], tolerance: float) -> Crack:
-    """The crack with its free ends on the others that they touch."""
+def _on_others(number: int, cracks: Sequence[Crack], tree: shapely.STRtree, tolerance: float) -> Crack:
+    """A crack with its free ends on the others that they touch; their lines are in the tree."""
+    crack = cracks[number]
     points, ends = crack.points.copy(), {"start": crack.start, "end": crack.end}
     for name, k in (("start", 0), ("end", -1)):
         if ends[name] != TIP:
             continue
-        number = touched(points[k], [other.points for other in cracks], tolerance, but=crack.points)
-        if number is not None:
-            ends[name] = End("crack", number)
-            points[k] = _nearest_on(cracks[number].points, points[k], tolerance)
+        others = touched(points[k], tree, tolerance)
+        if others := [other for other in others if other != number]:
+            ends[name] = End("crack", others[0])
+            points[k] = _nearest_on(cracks[others[0]].points, points[k], tolerance)
     return replace(crack, points=points, **ends)
 
 
-def touched(point: Array, lines: Sequence[Array], tolerance: float, but: Array | None = None) -> int | None:
-    """Which of some lines (n, 2) a point (2,) lies on, but for one of them; None where on none."""
-    at = shapely.Point(point)
-    for number, line in enumerate(lines):
-        if line is not but and at.distance(shapely.LineString(line)) <= tolerance:
-            return number
-    return None
+def touched(point: Array, tree: shapely.STRtree, tolerance: float) -> list[int]:
+    """Which lines of a tree a point (2,) lies on, ascending."""
+    found: list[int] = tree.query(shapely.Point(point), predicate="dwithin", distance=tolerance).tolist()
+    return sorted(found)
 
 
 def _nearest_on(line: Array, point: Array, tolerance: float) -> Array:

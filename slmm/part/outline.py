@@ -211,6 +211,13 @@ class Outline:
         """Length of the outline, mm."""
         return float(self.breaks[-1])
 
+    @cached_property
+    def box(self) -> Array:
+        """Lower left and upper right corner (2, 2) of a rectangle around it, mm: of its points, and a little more."""
+        points = self._samples[-1].data
+        gap = 0.5 * self.length / len(points)
+        return np.array([points.min(axis=0) - gap, points.max(axis=0) + gap])
+
     @property
     def corner_angles(self) -> Array:
         """Angles (k,) inside the hole at the corners, rad.

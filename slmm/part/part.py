@@ -146,8 +146,9 @@ class Part:
         end, _ = surface_at(point, shapely.LinearRing(self.outer), self.holes, self.tolerance)
         if end != TIP:
             return end
-        number = touched(point, [crack.points for crack in self.cracks], self.tolerance)
-        return TIP if number is None else End("crack", number)
+        tree = shapely.STRtree([shapely.LineString(crack.points) for crack in self.cracks])
+        on = touched(point, tree, self.tolerance) if self.cracks else []
+        return End("crack", on[0]) if on else TIP
 
     def with_crack(self, points: ArrayLike) -> Part:
         """The part with one more crack along points (n, 2), mm.

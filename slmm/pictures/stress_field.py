@@ -55,6 +55,8 @@ def stress_in_view(scene: Scene, view: View, displacements: Any = None) -> Stres
     """
     if displacements is not None:
         return _of_displacements(scene, view, displacements)
+    if scene.load is None:
+        return _by_boundary_integrals(scene, view)
     if scene.cracks:
         try:
             return _around_cracks(scene, view)
@@ -72,7 +74,8 @@ def _around_cracks(scene: Scene, view: View) -> StressField:
     from slmm.fem.plate_model import PlateModel
     from slmm.mechanics.stress import principal_stress
 
-    model = PlateModel(plate_mesh(scene.part), scene.material, scene.loading)
+    mesh = plate_mesh(scene.part, nodes_at=scene.loading.ends)
+    model = PlateModel(mesh, scene.material, scene.loading)
     extent, (nx, ny) = _grid(scene, view)
     x, y = (
         start + (np.arange(n) + 0.5) * (end - start) / n
@@ -80,6 +83,24 @@ def _around_cracks(scene: Scene, view: View) -> StressField:
     )
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     return StressField(principal_stress(model.stress(points)).reshape(ny, nx), extent, True)
+
+
+def _by_boundary_integrals(scene: Scene, view: View) -> StressField:
+    """Under conditions that voxels do not know."""
+    from slmm.boundary.model import BoundaryModel  # imports the kernels
+    from slmm.mechanics.stress import principal_stress
+
+    model = BoundaryModel(scene.part, scene.material, scene.loading)
+    extent, (nx, ny) = _grid(scene, view)
+    x, y = (
+        start + (np.arange(n) + 0.5) * (end - start) / n
+        for start, end, n in ((*extent[:2], nx), (*extent[2:], ny))
+    )
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    sigma_I = np.full(len(points), np.nan)
+    inside = shapely.contains_xy(scene.part.body, points)
+    sigma_I[inside] = principal_stress(model.stress(points[inside]))
+    return StressField(sigma_I.reshape(ny, nx), extent, True)
 
 
 def _of_displacements(scene: Scene, view: View, displacements: Any) -> StressField:

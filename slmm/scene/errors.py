@@ -41,7 +41,7 @@ _UNITS = {
     "G_c": "N/mm",
     **dict.fromkeys(("angle", "direction", "opening"), "degrees"),
     **dict.fromkeys(("width", "height", "thickness", "center", "radius", "semi_axes", "size"), "mm"),
-    **dict.fromkeys(("corner_radius", "points", "tip", "depth", "pixel_size"), "mm"),
+    **dict.fromkeys(("corner_radius", "points", "tip", "depth", "pixel_size", "from", "to", "at"), "mm"),
 }
 #: what pydantic calls a number out of its range
 _LIMITS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")

@@ -109,6 +109,13 @@ class Loading:
     def __iter__(self) -> Iterator[Condition]:
         return iter(self.conditions)
 
+    @property
+    def ends(self) -> Array:
+        """Points (n, 2) where conditions begin and end, mm: models have nodes there."""
+        return np.array([point for condition in self for point in (condition.start, condition.end)]).reshape(
+            -1, 2
+        )
+
     def at_edge(self, start: Point, end: Point) -> Condition:
         """The condition on a whole edge from one corner to the next; a free one where there is none."""
         for condition in self:
@@ -132,7 +139,16 @@ class Loading:
 
     def nominal_stress(self, E: float) -> float:
         """Largest stress that the load would cause in a part without notches, about, MPa."""
-        traction = max((float(np.abs(condition.traction).max()) for condition in self), default=0.0)
+        ends = np.array([point for condition in self for point in (condition.start, condition.end)])
+        side = float(np.ptp(ends, axis=0).min()) if len(ends) else 0.0
+        # of a short stretch the force counts, over the part's smaller side
+        traction = max(
+            (
+                float(np.abs(condition.traction).max()) * min(1.0, condition.length / side if side else 1.0)
+                for condition in self
+            ),
+            default=0.0,
+        )
         if self.strain is not None:
             return max(traction, E * float(np.abs(self.strain).max()))
         moved = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -15,6 +16,7 @@ from slmm.part.checks import crack_problems, edges_of, hole_problems, overlaps_u
 from slmm.part.outline import Outline
 from slmm.part.part import Part
 from slmm.running.input_file import shown
+from slmm.scene.conditions import Boundary, general_loading
 from slmm.scene.errors import SceneError, problems_of
 from slmm.scene.holes import HOLES, Hole, Plate
 from slmm.scene.load_checks import load_problems
@@ -54,7 +56,8 @@ class Scene(Table):
     holes: tuple[Hole, ...] = ()
     cracks: tuple[Crack, ...] = ()
     material_table: MaterialTable = Field(alias="material")
-    load: Load
+    load: Load | None = None
+    boundary: tuple[Boundary, ...] = ()
     analysis: Analysis = Analysis()
 
     @classmethod
@@ -102,7 +105,13 @@ class Scene(Table):
     def loading(self) -> Loading:
         """The load as conditions on the plate's edges."""
         load = self.load
+        if load is None:
+            return self._general_loading[0]
         return plate_loading(self.plate.width, self.plate.height, load.strain, load.displacement, load.stress)
+
+    @cached_property
+    def _general_loading(self) -> tuple[Loading, list[str]]:
+        return general_loading(self.boundary, replace(self.part, cracks=()))
 
     @cached_property
     def notches(self) -> Lines:
@@ -131,6 +140,13 @@ class Scene(Table):
         return tuple(named)
 
     @model_validator(mode="after")
+    def _has_one_load(self) -> Self:
+        if (self.load is None) == (not self.boundary):
+            contradicts = "load: contradicts boundary; give [load] or [[boundary]]"
+            raise SceneError(["load: is missing" if self.load is None else contradicts])
+        return self
+
+    @model_validator(mode="after")
     def _geometry_is_possible(self, info: ValidationInfo) -> Self:
         width, height = self.plate.width, self.plate.height
         if sum(hole.shape == "image" for hole in self.holes) > 1:
@@ -145,8 +161,10 @@ class Scene(Table):
         if not problems and self.cracks:
             cracks = [np.array(crack.points) for crack in self.cracks]
             problems += crack_problems(cracks, self.outlines, width, height)
-        if not problems:
+        if not problems and self.load is not None:
             problems += load_problems(self.load, edges_of(self.outlines, width, height), width, height)
+        elif not problems:
+            problems += self._general_loading[1]
         if self.analysis.points is not None:
             problems += position_problems(np.array(self.analysis.points), width, height)
         if problems:
@@ -173,6 +191,9 @@ class Scene(Table):
                 continue
             given_way = {other for new in change for other in _EXCLUDES.get((key, new), ())} - set(change)
             tables[key] = {**{k: v for k, v in old.items() if k not in given_way}, **change}
+        for new, old_load in (("load", "boundary"), ("boundary", "load")):
+            if new in changes and old_load not in changes:
+                tables.pop(old_load, None)
         context: dict[str, Any] = {"folder": Path()}
         if not {"plate", "holes"} & set(changes):
             context["geometry_of"] = self
@@ -191,11 +212,12 @@ _EXCLUDES: dict[tuple[str, str], tuple[str, ...]] = {
 }
 
 _KNOWN_KEYS: dict[tuple[str, ...], list[str]] = {
-    (): ["title", "plate", "holes", "cracks", "material", "load", "analysis"],
+    (): ["title", "plate", "holes", "cracks", "material", "load", "boundary", "analysis"],
     ("plate",): list(Plate.model_fields),
     ("cracks",): list(Crack.model_fields),
     ("material",): list(MaterialTable.model_fields),
     ("load",): list(Load.model_fields),
+    ("boundary",): [field.alias or name for name, field in Boundary.model_fields.items()],
     ("analysis",): list(Analysis.model_fields),
     **{("holes", shape): list(hole.model_fields) for shape, hole in HOLES.items()},
 }

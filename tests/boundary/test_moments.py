@@ -8,7 +8,7 @@ from numpy.polynomial import legendre
 
 from slmm.boundary.crack_panels import slope_at_tip, tip_rule
 from slmm.boundary.moments import chord_log, is_far, line_log, moments
-from slmm.boundary.panels import integration, refinement, rule, slopes_at, values_at
+from slmm.boundary.rules import integration, refinement, rule, slopes_at, values_at
 
 
 @given(x=st.floats(-1.5, 1.5), y=st.floats(0.2, 1.2), sign=st.sampled_from([-1, 1]))
