@@ -27,6 +27,14 @@ CHANGE = 0.05
 JUMP = 0.02
 
 
+#: points on all panels, at most: the matrix of 6000 takes 1.2 GB and a minute (chosen)
+MOST_POINTS = 6000
+
+
+class TooManyPointsError(ValueError):
+    """A part with more outlines than dense matrices can hold."""
+
+
 class Stretch(NamedTuple):
     """A smooth curve of the boundary, the body on its left.
 
@@ -220,6 +228,11 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
             cuts = _cuts(stretch, others, side)
             parts += [(stretch, a, b, c, number) for a, b in pairwise(cuts)]
             number += 1
+    if len(parts) * p > MOST_POINTS:
+        raise TooManyPointsError(
+            f"boundary integrals: the outlines need {len(parts) * p} points, and at most {MOST_POINTS} can be solved; "
+            "use voxels or a body-fitted model"
+        )
     x, w = rule(p)
     xf, _ = rule(2 * p)
     z, dz, tangent, curvature, ends, fine, chi = [], [], [], [], [], [], []

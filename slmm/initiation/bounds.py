@@ -11,9 +11,11 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from slmm.boundary.panels import TooManyPointsError
 from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.task import Answer, Task
+from slmm.initiation.uncracked import WithStress
 
 #: depths of a path as shares of its ligament, where the largest stress is looked for; the far side has one of its
 #: own; chosen
@@ -23,7 +25,8 @@ DEPTHS = np.linspace(0.0, 0.99, 100) ** 2
 def upper_bounds(task: Task, answer: Answer) -> np.ndarray:
     """Upper bounds (n,) of the failure index: value and error, or strength; infinite where nothing is known.
 
-    A body-fitted model is solved only where positions without a value leave it open whether a crack starts.
+    A model is solved only where positions without a value leave it open whether a crack starts: a body-fitted one, or
+    without the mesher one by boundary integrals.
 
     Parameters
     ----------
@@ -44,23 +47,21 @@ def upper_bounds(task: Task, answer: Answer) -> np.ndarray:
         bound[known] = np.maximum(stress * (1 + error), 0.0)[known] / task.scene.material.sigma_c
     largest = float(np.max(index[~missing], initial=0.0))
     left = np.flatnonzero(missing & task.smooth & (bound > largest))
-    if len(left) and largest < 1 and task.displacements is None and find_spec("netgen") is not None:
-        bound[left] = np.minimum(bound[left], _body_fitted(task.among(left), whole_path))
+    if len(left) and largest < 1 and task.displacements is None:
+        bound[left] = np.minimum(bound[left], _strength(task.among(left), whole_path))
     if "outline_error" in answer.columns:  # which is in the error of the values already
         bound[missing] *= 1 + np.nan_to_num(answer.columns["outline_error"][missing])
     return bound
 
 
-def _body_fitted(task: Task, whole_path: bool) -> np.ndarray:
-    """Bounds (n,) from the stress of a body-fitted model; infinite where a mesh cannot tell."""
-    from slmm.initiation.by_dislocations import body_fitted_model
+def _strength(task: Task, whole_path: bool) -> np.ndarray:
+    """Bounds (n,) from the stress of a model of the part; infinite where that cannot tell."""
     from slmm.initiation.by_stress import AWAY_FROM_TIPS, distance_to_tips
     from slmm.mechanics.stress import principal_stress  # these import the finite element libraries
 
     task.progress(0.9, f"strength at {task.n} positions without a value")
-    try:
-        model = body_fitted_model(task)
-    except MesherError:  # the mesher's; the positions keep no bound, and the summary says so
+    model = _model(task)
+    if model is None:  # the positions keep no bound, and the summary says so
         return np.full(task.n, np.inf)
     paths = task.paths
     depths = paths.ligament[:, None] * (DEPTHS if whole_path else DEPTHS[:1])
@@ -69,5 +70,19 @@ def _body_fitted(task: Task, whole_path: bool) -> np.ndarray:
     stress = (principal_stress(sigma) + error).reshape(depths.shape)
     stress[np.isnan(stress[:, 0])] = np.inf
     bound = np.maximum(np.nanmax(stress, axis=1), 0.0) / task.scene.material.sigma_c
-    near = distance_to_tips(task.scene, paths.start) < AWAY_FROM_TIPS * model.fine.element_size(paths.start)
+    near = distance_to_tips(task.scene, paths.start) < AWAY_FROM_TIPS * model.element_size(paths.start)
     return np.where(near, np.inf, bound)
+
+
+def _model(task: Task) -> WithStress | None:
+    """A model whose stress is good at surfaces; None where there is none."""
+    try:
+        if find_spec("netgen") is not None:
+            from slmm.initiation.by_dislocations import body_fitted_model
+
+            return body_fitted_model(task)
+        from slmm.initiation.boundary_field import solve_boundary
+
+        return solve_boundary(task.scene)
+    except (MesherError, TooManyPointsError):
+        return None

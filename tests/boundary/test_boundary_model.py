@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slmm.boundary.model import BoundaryModel
+from slmm.boundary.panels import TooManyPointsError
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
 from slmm.part.part import Part
@@ -254,6 +255,9 @@ def test_what_it_does_not_do_is_refused():
     loading = plate_loading(100.0, 100.0, stress=1.0)
     with pytest.raises(ValueError, match="the cracks sever the part, in 2 pieces"):
         BoundaryModel(Part.plate(100.0, 100.0, cracks=[[(0, 50), (100, 50)]]), PMMA, loading)
+    many = [hole(4.0 * i + 2, 4.0 * k + 2, 1.0) for i in range(10) for k in range(10)]
+    with pytest.raises(TooManyPointsError, match=r"need [0-9]+ points, and at most 6000 can be solved"):
+        BoundaryModel(Part.plate(40.0, 40.0, many), PMMA, plate_loading(40.0, 40.0, stress=1.0))
     bottom, *_ = plate_edges(100.0, 100.0)
     one_sided = Loading((Condition(*bottom, traction=(0.0, -1.0)),))
     with pytest.raises(ValueError, match=r"does not balance: forces of \(0, -100\) N"):

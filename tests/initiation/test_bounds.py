@@ -73,3 +73,20 @@ def test_nothing_bounds_a_corner_or_what_knows_no_strength():
     assert conclude(cells).is_open or float(cells.failure_index.max()) >= 1
     griffith = slmm.failure_indices(gallery.edge_crack(), "griffith")
     assert np.isfinite(griffith.failure_index_bound[griffith.status == "ok"]).all()
+
+
+def test_without_the_mesher_boundary_integrals_bound_what_has_no_value(monkeypatch):
+    from slmm.initiation import bounds
+
+    scene = gallery.circular_hole(
+        5.0,
+        material={"E": 2960.0, "nu": 0.35, "sigma_c": 70.5, "K_Ic": 40.0},
+        load={"strain": [0.0, 0.005, 0.0]},
+    )
+    meshed = slmm.failure_indices(scene, "slmm+ac", positions=8)
+    monkeypatch.setattr(bounds, "find_spec", lambda name: None)
+    result = slmm.failure_indices(scene, "slmm+ac", positions=8)
+    missing = result.status.values != "ok"
+    assert missing.any()
+    found = result.failure_index_bound.values[missing]
+    np.testing.assert_allclose(found, meshed.failure_index_bound.values[missing], rtol=0.01, atol=1e-3)
