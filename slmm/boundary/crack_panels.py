@@ -81,9 +81,12 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
     number = 0
     lines = [line[:, 0] + 1j * line[:, 1] for line in part.crack_lines]
     times = Counter(point for z in lines for point in z.tolist())
-    samples = [_sampled(z) for z in lines]
+    # of each segment, so that one that is folded back is near, too
+    samples = [[_sampled(a, b) for a, b in pairwise(z)] for z in lines]
     for c, (crack, z) in enumerate(zip(part.cracks, lines, strict=True)):
-        near = np.concatenate([around, *(other for k, other in enumerate(samples) if k != c)])
+        others = np.concatenate(
+            [around, *(piece for k, own in enumerate(samples) if k != c for piece in own)]
+        )
         at_start = at_end = -1
         if crack.start == TIP:
             at_start, number = number, number + 1
@@ -102,7 +105,8 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
                 AT_MOUTH if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
                 AT_MOUTH if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
             )
-            found += _segment(a, b, first_tip, last_tip, ends, near)
+            near = [others, *(piece for i, piece in enumerate(samples[c]) if i != k)]
+            found += _segment(a, b, first_tip, last_tip, ends, np.concatenate(near))
     starts, ends_of = (np.array([f[i] for f in found], dtype=complex) for i in (0, 1))
     tip = np.array([f[2] for f in found], dtype=int)
     x, _, _ = straight_rule(p)
@@ -151,7 +155,6 @@ def _tip_share(tip: complex, other: complex, grade: float, around: Complex) -> f
     return min(1.0 if grade == 1.0 else AT_TIP, PER_DISTANCE * away / abs(other - tip))
 
 
-def _sampled(z: Complex) -> Complex:
-    """Points along a line (n,), 50 to each segment."""
-    share = np.linspace(0.0, 1.0, 50)
-    return (z[:-1, None] + share * np.diff(z)[:, None]).ravel()
+def _sampled(a: complex, b: complex) -> Complex:
+    """Points along a segment."""
+    return a + np.linspace(0.0, 1.0, 100) * (b - a)
