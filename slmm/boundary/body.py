@@ -6,12 +6,17 @@ from functools import cached_property
 
 import numpy as np
 import scipy.linalg as la
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from slmm.boundary.densities import Linear, displacement_of_boundary, parts
+from slmm.boundary.densities import (
+    Linear,
+    displacement_of_boundary,
+    displacement_of_highest,
+    displacement_of_jump,
+    parts,
+)
 from slmm.boundary.panels import boundary_of, panelled
-from slmm.boundary.rules import Array, integration, rule
+from slmm.boundary.rules import Array, highest, integration
 from slmm.mechanics.material import Material
 from slmm.mechanics.rigid import free_motions
 from slmm.mechanics.stress import kolosov, shear_modulus
@@ -34,7 +39,7 @@ class Body:
     material : Material
     loading : Loading
     p : int
-        Gauss points on each panel, which must be even.
+        Gauss points on each panel.
 
     Attributes
     ----------
@@ -57,8 +62,7 @@ class Body:
         self.E, self.nu, self.mu, self.kappa = E, nu, shear_modulus(E, nu), kolosov(nu)
         self.scale = (self.kappa + 1) / (2 * self.mu)
         self.mouths = mouths_of(part)
-        changes = [complex(*point) for condition in loading for point in (condition.start, condition.end)]
-        self.panels = panelled(boundary_of(part, self.mouths, changes), part, tips_of(part), p)
+        self.panels = panelled(boundary_of(part, self.mouths, loading), part, tips_of(part), p)
         self.crack_columns: dict[tuple[complex, complex, bool], Array] = {}
         self.crack_rows: dict[tuple[complex, complex, bool], tuple[Array, Array]] = {}
         self._set_conditions()
@@ -107,35 +111,73 @@ class Body:
             matrix[later, :, k, :] = 0.5 * length[k] * local[p]
         return matrix.reshape(m * p, m * p)
 
-    def in_unknowns(self, by_g: Linear, by_q: Linear) -> Array:
+    @cached_property
+    def held_rows(self) -> NDArray[np.int64]:
+        """Points (h,) at which a displacement is prescribed."""
+        return np.flatnonzero(self.held.any(axis=1))
+
+    def by_tractions(self, by_q: Linear) -> Linear:
+        """By the tractions at held points, what is given by q."""
+        to_q = self.to_q[:, self.held_rows] * (1j / (self.kappa + 1))
+        return Linear(by_q.one @ to_q, by_q.other @ to_q.conj())
+
+    def in_unknowns(self, by_g: Linear, by_t: Linear) -> Array:
         """Real matrix (2 t, 2 n) in the unknowns: displacements at the points or, where these are held, tractions."""
-        to_q = self.to_q * (1j / (self.kappa + 1))
         matrix = by_g.real()
-        held = self.held.ravel()
-        if held.any():
-            rows = np.flatnonzero(self.held.any(axis=1))
-            columns = Linear(by_q.one @ to_q[:, rows], by_q.other @ to_q[:, rows].conj()).real()
-            place = np.ravel(2 * rows[:, None] + np.arange(2))
-            which = held[place]
-            matrix[:, place[which]] = columns[:, which]
+        place = np.ravel(2 * self.held_rows[:, None] + np.arange(2))
+        which = self.held.ravel()[place]
+        matrix[:, place[which]] = by_t.real()[:, which]
         return matrix
+
+    def _unseen(self) -> Linear:
+        """W at all points by what q has and does not show at any: P_p of its panels, and its closing.
+
+        Both would else be free to grow: q jumps where a held stretch ends, and where its curve begins, wherever forces
+        do not balance; such jumps are forces at corners, which hardly any point feels.
+        """
+        panels, p = self.panels, self.panels.p
+        own = np.arange(panels.n) // p
+        held = np.unique(self.held_rows // p)
+        share = 0.5 * np.abs(panels.dz.reshape(-1, p)).sum(axis=1)[held, None] * highest(p)
+        spread = np.zeros((len(held), panels.n), dtype=complex)
+        np.put_along_axis(spread, held[:, None] * p + np.arange(p), share * (1j / (self.kappa + 1)), axis=1)
+        spread = spread[:, self.held_rows]
+        of_held = displacement_of_highest(panels, self.kappa, held, panels.z, own)
+        result = Linear(of_held.one @ spread, of_held.other @ spread.conj())
+        for contour in np.unique(panels.contour[held]):
+            total = self._total(contour)[None, self.held_rows]
+            jump = self._jump(contour)
+            result += Linear(-jump.one @ total, -jump.other @ total.conj())
+        return result
+
+    def _total(self, contour: int) -> Array:
+        """From tractions (n,) to the q that is left after a whole curve."""
+        on = np.repeat(self.panels.contour == contour, self.panels.p)
+        return np.where(on, np.abs(self.panels.dz), 0.0) * (1j / (self.kappa + 1))
+
+    def _jump(self, contour: int) -> Linear:
+        """W at all points by a jump of q by one where a curve begins."""
+        first = int(np.flatnonzero(self.panels.contour == contour)[0])
+        size = 2 * float(np.abs(self.panels.z - self.panels.z.mean()).max())
+        return displacement_of_jump(self.kappa, self.panels.ends[first, 0], size, self.panels.z)
 
     def _factorise(self) -> None:
         """The base system: at every point the limit of W from inside is (kappa + 1) g."""
         n = self.panels.n
         by_g, by_q = displacement_of_boundary(self.panels, self.kappa, self.panels.z, np.arange(n))
         by_g = Linear(by_g.one - (self.kappa + 1) * np.eye(n), by_g.other)
-        matrix = self.in_unknowns(by_g, by_q)
+        matrix = self.in_unknowns(by_g, self.by_tractions(by_q) + self._unseen())
         self.known_q = self.to_q @ (self.known_t * 1j / (self.kappa + 1))
-        rhs = -(by_g(self.known_g) + by_q(self.known_q))
+        known = by_g(self.known_g) + by_q(self.known_q)
+        for contour in np.unique(self.panels.contour[self.held_rows // self.panels.p]):
+            known -= self._jump(contour)(self._total(contour) @ self.known_t[:, None])
+        rhs = -known
         points = np.column_stack([self.panels.z.real, self.panels.z.imag])
         free = free_motions(points, self.held)
         weight = np.repeat(np.abs(self.panels.dz), 2)
         self._check_balance(free, weight)
         for mode in free.T:
             matrix += (self.kappa + 1) / weight.sum() * np.outer(mode, mode * weight)
-        for mode in self._unseen_tractions():
-            matrix += (self.kappa + 1) * np.outer(mode, mode)
         self.lu = la.lu_factor(matrix, overwrite_a=True)
         self.solution = la.lu_solve(self.lu, parts(rhs))
 
@@ -148,23 +190,6 @@ class Body:
                 f"load: the part is free to move, and what acts on it does not balance: forces of ({x:.4g}, {y:.4g}) N "
                 "for each mm of thickness are left, or a moment; prescribe displacements"
             )
-
-    def _unseen_tractions(self) -> list[Array]:
-        """Tractions (2 n,) whose resultant is the same at all points: none shows where a whole curve is held."""
-        panels, p = self.panels, self.panels.p
-        x, _ = rule(p)
-        length = np.abs(panels.dz.reshape(-1, p)).sum(axis=1)
-        # the resultant is a Legendre polynomial less one on every panel, which vanishes at the points
-        slope = (legendre.legval(x, legendre.legder(np.eye(p + 1)[p])) * 2 / length[:, None]).ravel()
-        modes = []
-        for contour in range(panels.contour.max() + 1):
-            here = np.repeat(panels.contour == contour, p)
-            for i in range(2):
-                if self.held[here, i].all():
-                    mode = np.zeros((panels.n, 2))
-                    mode[here, i] = slope[here]
-                    modes.append(mode.ravel() / np.linalg.norm(mode))
-        return modes
 
 
 def mouths_of(part: Part) -> list[complex]:

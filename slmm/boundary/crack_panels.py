@@ -16,11 +16,13 @@ from slmm.boundary.rules import Array, Complex, rule
 from slmm.part.crack import TIP
 from slmm.part.part import Part
 
-#: last panel before a mouth or where cracks meet, before a kink, and the panel at a tip, over the segment's length; a
-#: panel over its distance from surfaces (chosen on the cases of tests/boundary)
+#: last panel before a mouth, before a kink, and the panel at a tip, over the segment's length; a panel over its
+#: distance from surfaces (chosen on the cases of tests/boundary)
 AT_MOUTH, AT_KINK, AT_TIP, PER_DISTANCE = 0.01, 0.02, 0.4, 1.5
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
 MILD = 0.35
+#: kinks that turn by more, rad, and meetings of cracks need panels so short (chosen on 30 random plates)
+SHARP, AT_SHARP = 0.8, 2e-4
 
 
 class CrackPanels(NamedTuple):
@@ -96,9 +98,9 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
         step = np.diff(z)
         length = np.abs(step)
         # at a kink or where cracks meet: as short as the shorter of both segments asks for
-        mild = np.abs(np.angle(step[1:] / step[:-1])) < MILD
+        turn = np.abs(np.angle(step[1:] / step[:-1]))
         alone = np.array([times[point] == 1 for point in z[1:-1].tolist()], dtype=bool)
-        grade = np.where(mild & alone, 1.0, AT_KINK)
+        grade = np.select([~alone | (turn > SHARP), turn > MILD], [AT_SHARP, AT_KINK], 1.0)
         for k, (a, b) in enumerate(pairwise(z)):
             first_tip, last_tip = (at_start if k == 0 else -1), (at_end if k == last else -1)
             ends = (

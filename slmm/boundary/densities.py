@@ -8,9 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.boundary.crack_panels import CrackPanels, straight_rule, tip_rule
-from slmm.boundary.influence import TWO_PI_I, boundary_displacement, boundary_stress, crack_weights
+from slmm.boundary.influence import (
+    TWO_PI_I,
+    boundary_displacement,
+    boundary_stress,
+    crack_weights,
+    of_highest,
+)
 from slmm.boundary.panels import Panels
-from slmm.boundary.rules import Array, Complex, refinement
+from slmm.boundary.rules import Array, Complex, highest_rule, refinement
 
 
 class Linear(NamedTuple):
@@ -22,6 +28,10 @@ class Linear(NamedTuple):
     def __call__(self, density: Any) -> Complex:
         """The quantity (t,) for a density (n,)."""
         return self.one @ density + self.other @ density.conj()
+
+    def __add__(self, more: Linear) -> Linear:  # type: ignore[override]
+        """Both together."""
+        return Linear(self.one + more.one, self.other + more.other)
 
     def real(self) -> Array:
         """Real matrix (2 t, 2 n) from real and imaginary parts to such."""
@@ -56,6 +66,23 @@ def displacement_of_boundary(
     )
     C3 /= TWO_PI_I
     return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, C3), Linear(2 * kappa * C1.real / TWO_PI_I, C3)
+
+
+def displacement_of_highest(
+    panels: Panels, kappa: float, which: NDArray[np.int64], targets: Complex, own: NDArray[np.int64]
+) -> Linear:
+    """W at targets (t,), on panels ``own``, by a q that is P_p on each of the straight panels ``which`` (m,)."""
+    place = np.full(len(panels.ends) + 1, -1)
+    place[which] = np.arange(len(which))
+    C1, C3 = of_highest(targets, place[own], panels.p, panels.ends[which], *highest_rule(panels.p))
+    return Linear(2 * kappa * C1.real / TWO_PI_I, C3 / TWO_PI_I)
+
+
+def displacement_of_jump(kappa: float, at: complex, size: float, targets: Complex) -> Linear:
+    """W at targets (t,) by a q that jumps by one at a place: a force there; a rigid motion by ``size`` aside."""
+    gap = at - targets
+    log, turn = np.log(np.abs(gap) / size), gap / np.conj(gap)
+    return Linear((2 * kappa * log / TWO_PI_I)[:, None], (turn / TWO_PI_I)[:, None])
 
 
 def stress_of_boundary(panels: Panels, targets: Complex) -> tuple[Complex, Complex]:

@@ -147,6 +147,41 @@ def boundary_displacement(
 
 
 @njit(cache=True)
+def of_highest(targets, own, p, ends, x, step):
+    """C1 and C3 (t, m) of Legendre's P_p, which vanishes at all points, on straight panels, for targets (t,).
+
+    ``own`` (t,) is the panel that a target lies on, -1 for none; ``x`` are points of a rule beyond p and ``step`` its
+    weights times P_p.
+    """
+    t, m = len(targets), len(ends)
+    C1 = np.zeros((t, m), dtype=np.complex128)
+    C3 = np.zeros((t, m), dtype=np.complex128)
+    I = np.empty((3, p + 1), dtype=np.complex128)
+    for i in range(t):
+        target = targets[i]
+        for k in range(m):
+            middle, half = 0.5 * (ends[k, 0] + ends[k, 1]), 0.5 * (ends[k, 1] - ends[k, 0])
+            zeta = (target - middle) / half
+            if is_far(zeta):
+                for j in range(len(x)):
+                    gap = middle + half * x[j] - target
+                    back = np.conj(gap)
+                    C1[i, k] += half * step[j] / gap
+                    C3[i, k] += half * step[j] / back - gap * np.conj(half * step[j]) / (back * back)
+                continue
+            if own[i] == k:
+                moments(zeta, complex(line_log(zeta.real), np.pi), 0, I)
+                C1[i, k] = I[0, p]
+                continue
+            moments(zeta, chord_log(zeta), 1, I)
+            rho = np.conj(half) / half
+            delta = rho * (target - middle) - np.conj(target - middle)
+            C1[i, k] = I[0, p]
+            C3[i, k] = delta / rho * np.conj(I[1, p] / half)
+    return C1, C3
+
+
+@njit(cache=True)
 def boundary_stress(targets, p, z, dz, ends, straight, fine, chi, inverse, fine_inverse, up):
     """Weights (t, n) of boundary panels in P and in the part of Q that is linear in a density, times 2 pi i."""
     t, m = len(targets), len(ends)

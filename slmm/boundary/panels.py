@@ -14,6 +14,7 @@ from slmm.boundary.rules import Array, Complex, rule
 from slmm.fem.boundary import Piece, boundary_pieces
 from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
 from slmm.part.part import Part
+from slmm.scene.loading import Loading
 
 #: panel on an outline over its smallest radius of curvature there, over its distance from other surfaces and from crack
 #: tips, and on straight edges over the part's smaller side (chosen on the cases of tests/boundary)
@@ -21,8 +22,8 @@ PER_RADIUS, PER_DISTANCE, PER_SIDE = 0.8, 1.0, 0.25
 #: the last panel before a corner that juts out, a mouth of a crack and a corner that points into the material, over the
 #: length of the side: solutions are smoother there by turns (chosen likewise)
 JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
-#: the same where conditions change on a straight edge (chosen)
-CHANGE = 0.05
+#: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
+CHANGE, HELD = 0.05, 1e-3
 #: jumps of the curvature over the outline's largest one that end a panel (chosen)
 JUMP = 0.02
 
@@ -135,23 +136,32 @@ class Panels:
         return len(self.z)
 
 
-def boundary_of(part: Part, mouths: Sequence[complex], changes: Sequence[complex]) -> list[list[Stretch]]:
-    """The closed curves around a part, each of stretches that end at corners and at some further points.
+def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list[list[Stretch]]:
+    """The closed curves around a part, each of stretches that end at corners, mouths and where conditions do.
 
     Parameters
     ----------
     part : Part
-    mouths, changes : sequence of complex
-        Where cracks end on the boundary, and where conditions begin and end, mm.
+    mouths : sequence of complex
+        Where cracks end on the boundary, mm.
+    loading : Loading
     """
     wanted = np.concatenate(
         [
-            np.array([(z.real, z.imag) for z in (*mouths, *changes)]).reshape(-1, 2),
+            np.array([(z.real, z.imag) for z in mouths]).reshape(-1, 2),
+            np.array([end for condition in loading for end in (condition.start, condition.end)]).reshape(
+                -1, 2
+            ),
             *(hole.points(_curvature_jumps(hole)) for hole in part.holes),
         ]
     )
     return [
-        _graded([stretch for piece in ring for stretch in _stretches(piece, part)], mouths, part.tolerance)
+        _graded(
+            [stretch for piece in ring for stretch in _stretches(piece, part)],
+            mouths,
+            loading,
+            part.tolerance,
+        )
         for ring in boundary_pieces(part.body, part.holes, wanted)
     ]
 
@@ -182,8 +192,29 @@ def _stretches(piece: Piece, part: Part) -> list[Stretch]:
     ]
 
 
-def _graded(stretches: list[Stretch], mouths: Sequence[complex], near: float) -> list[Stretch]:
+def _held(stretch: Stretch, loading: Loading) -> tuple[bool, bool]:
+    """Whether u_x and u_y are prescribed on a stretch."""
+    if stretch.outline is not None:
+        return False, False
+    middle = 0.5 * (stretch.start + stretch.end)
+    on = [c.is_held for c in loading if c.on(np.array([[middle.real, middle.imag]]))[0]]
+    return any(x for x, _ in on), any(y for _, y in on)
+
+
+def _is_singular(one: tuple[bool, bool], other: tuple[bool, bool], turn: float) -> bool:
+    """Whether stresses grow without bound in a corner that juts out, by what is held on its sides.
+
+    A roller is a mirror at a right angle: what it meets there goes straight on.
+    """
+    square = abs(turn - 0.5 * np.pi) < SMALLEST_TURN
+    return one != other and not (square and 1 in (sum(one), sum(other)))
+
+
+def _graded(
+    stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float
+) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
+    held = [_held(stretch, loading) for stretch in stretches]
     breaks = np.array(mouths, dtype=complex)
     ends = np.array([0.0, 1.0])
     tangents = [stretch.at(ends)[1] for stretch in stretches]
@@ -196,8 +227,10 @@ def _graded(stretches: list[Stretch], mouths: Sequence[complex], near: float) ->
             grade.append(MOUTH)
         elif changes:
             grade.append(CHANGE)
+        elif turn < -SMALLEST_TURN:
+            grade.append(REENTRANT)
         else:
-            grade.append(REENTRANT if turn < -SMALLEST_TURN else JUTTING)
+            grade.append(HELD if _is_singular(held[k - 1], held[k], turn) else JUTTING)
     alone = len(stretches) == 1 and stretches[0].outline is not None
     if alone and abs(np.angle(tangents[0][0] / tangents[0][1])) < SMALLEST_TURN and grade[0] == JUTTING:
         return [stretches[0]._replace(closed=True)]

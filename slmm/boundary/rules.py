@@ -44,6 +44,19 @@ def _coefficients(p: int) -> Array:
     return np.linalg.inv(legendre.legvander(x, p - 1))
 
 
+@lru_cache
+def highest(p: int) -> Array:
+    """From values at p Gauss points to the P_p in their integral from -1, which shows at none of them; shape (p,)."""
+    return _coefficients(p)[p - 1] / (2 * p - 1)
+
+
+@lru_cache
+def highest_rule(p: int) -> tuple[Array, Array]:
+    """Points of twice as many, and weights times P_p."""
+    x, w = rule(2 * p)
+    return x, w * legendre.legval(x, np.eye(p + 1)[p])
+
+
 def values_at(xi: Array, p: int) -> Array:
     """From values at p Gauss points to those at places xi (k,) of the panel, -1 to 1; (k, p)."""
     return legendre.legvander(xi, p - 1) @ _coefficients(p)

@@ -262,3 +262,60 @@ def test_what_it_does_not_do_is_refused():
     one_sided = Loading((Condition(*bottom, traction=(0.0, -1.0)),))
     with pytest.raises(ValueError, match=r"does not balance: forces of \(0, -100\) N"):
         BoundaryModel(Part.plate(100.0, 100.0), PMMA, one_sided)
+
+
+HELD_BELOW = Loading(
+    (
+        Condition((0.0, 0.0), (100.0, 0.0), (Affine(), Affine())),
+        Condition((100.0, 60.0), (100.0, 80.0), traction=(3.0, 1.0)),
+    )
+)
+
+
+@pytest.mark.parametrize("p", [7, 8])
+def test_what_holds_a_plate_beside_a_deep_notch_balances_its_load(p):
+    """Forces in the corners of a held edge, which hardly any point feels, once made a tenth of the reaction."""
+    notch = Outline.of_pieces(polygon([(5.5, 101.0), (39.5, 7.0), (41.5, 7.0), (75.5, 101.0)], 0.9))
+    plate = Part.plate(100.0, 100.0, [notch])
+    model = BoundaryModel(plate, PMMA, HELD_BELOW, p)
+    assert model.reaction(HELD_BELOW.conditions[0]) == pytest.approx([-60.0, -20.0], abs=2e-3)
+    at = np.array([[80.0, 70.0], [80.0, 30.0]])
+    assert model.stress(at) == pytest.approx(BoundaryModel(plate, PMMA, HELD_BELOW, 12).stress(at), abs=5e-5)
+    # tractions grow towards the clamped corners and nowhere else
+    middle = np.abs(model.panels.z - 70.0) < 20.0
+    assert np.abs(model.t[middle]).max() < 20.0
+
+
+def test_a_clamped_corner_leaves_intensities_exact():
+    cracked = Part.plate(100.0, 100.0).with_crack(np.array([[26.0, 43.2], [32.4, 50.3]]))
+    wanted = intensities(cracked, HELD_BELOW, p=12, crack_p=10)
+    assert intensities(cracked, HELD_BELOW) == pytest.approx(wanted, abs=1e-5 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("opening", [5.0, 20.0, 60.0])
+def test_a_crack_that_is_folded_back_tells_its_error(opening):
+    turn = np.deg2rad(180.0 - opening)
+    back = np.array([50.0 + 6.0 * np.cos(turn), 40.0 + 6.0 * np.sin(turn)])
+    cracked = Part.plate(100.0, 100.0).with_crack(np.array([[40.0, 40.0], [50.0, 40.0], back]))
+    model = BoundaryModel(cracked, PMMA, HELD_BELOW)
+    K, error = model.with_error(BoundaryModel.stress_intensities)
+    true = intensities(cracked, HELD_BELOW, p=12, crack_p=12)
+    assert np.all(np.linalg.norm(K - true, axis=1) < error)
+    assert error.max() < 0.02 * np.abs(true).max()
+
+
+def test_the_estimated_error_covers_a_low_order_and_is_not_far_too_wide():
+    part = Part.plate(10.0, 40.0).with_crack(np.array([[0.0, 20.0], [5.0, 20.0]]))
+    model = BoundaryModel(part, PMMA, plate_loading(10.0, 40.0, stress=1.0), p=4, crack_p=3)
+    K, error = model.with_error(BoundaryModel.stress_intensities)
+    off = abs(K[0, 0] / np.sqrt(5.0 * np.pi) - 2.8246) * np.sqrt(5.0 * np.pi)
+    assert off < error[0] < 10 * off
+
+
+def test_the_finer_model_of_a_crack_that_grows_keeps_its_body():
+    part = Part.plate(10.0, 20.0).with_crack(np.array([[0.0, 10.0], [3.0, 10.0]]))
+    model = BoundaryModel(part, PMMA, plate_loading(10.0, 20.0, stress=1.0))
+    before = model.finer
+    grown = model.with_cracks_of(part.grown(0, (3.5, 10.1)))
+    assert grown.finer.body is before.body
+    assert grown.finer.cracks.p == before.cracks.p
