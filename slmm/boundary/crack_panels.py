@@ -18,7 +18,7 @@ from slmm.part.part import Part
 
 #: last panel before a mouth, before a kink, and the panel at a tip, over the segment's length; a panel over its
 #: distance from surfaces (chosen on the cases of tests/boundary)
-AT_MOUTH, AT_KINK, AT_TIP, PER_DISTANCE = 0.01, 0.02, 0.4, 1.5
+AT_MOUTH, AT_KINK, AT_TIP, PER_DISTANCE = 0.01, 0.02, 0.4, 0.75
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
 MILD = 0.35
 #: kinks that turn by more, rad, and meetings of cracks need panels so short (chosen on 30 random plates)

@@ -26,7 +26,7 @@ from slmm.scene.loading import Condition, Loading
 
 #: how much higher the order is by which errors are told, and what covers them: 95 % of those of K and of the stress on
 #: random plates are below so many differences (chosen on validation/boundary_errors.py)
-HIGHER, COVERS = 2, 3.0
+HIGHER, COVERS = 2, 4.0
 #: depth below a surface, over the length of the panel there, from which on kernels keep six digits (chosen)
 BESIDE = 0.01
 
