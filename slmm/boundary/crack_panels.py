@@ -16,9 +16,12 @@ from slmm.boundary.rules import Array, Complex, rule
 from slmm.part.crack import TIP
 from slmm.part.part import Part
 
-#: last panel before a mouth, before a kink, and the panel at a tip, over the segment's length; a panel over its
-#: distance from surfaces (chosen on the cases of tests/boundary)
-AT_MOUTH, AT_KINK, AT_TIP, PER_DISTANCE = 0.01, 0.02, 0.4, 0.75
+#: last panel before a mouth, before a kink, and the panel at a tip, over the segment's length (chosen on the cases of
+#: tests/boundary)
+AT_MOUTH, AT_KINK, AT_TIP = 0.01, 0.02, 0.4
+#: a panel over its distance from surfaces and next segments, and from others, whose tips make stresses vary most
+#: (chosen likewise)
+PER_DISTANCE, PER_CRACK = 1.5, 0.75
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
 MILD = 0.35
 #: kinks that turn by more, rad, and meetings of cracks need panels so short (chosen on 30 random plates)
@@ -86,9 +89,7 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
     # of each segment, so that one that is folded back is near, too
     samples = [[_sampled(a, b) for a, b in pairwise(z)] for z in lines]
     for c, (crack, z) in enumerate(zip(part.cracks, lines, strict=True)):
-        others = np.concatenate(
-            [around, *(piece for k, own in enumerate(samples) if k != c for piece in own)]
-        )
+        others = [piece for k, own in enumerate(samples) if k != c for piece in own]
         at_start = at_end = -1
         if crack.start == TIP:
             at_start, number = number, number + 1
@@ -107,8 +108,11 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
                 AT_MOUTH if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
                 AT_MOUTH if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
             )
-            near = [others, *(piece for i, piece in enumerate(samples[c]) if i != k)]
-            found += _segment(a, b, first_tip, last_tip, ends, np.concatenate(near))
+            # the next segments have their kink in common, whose grade takes care
+            next_to = [piece for i, piece in enumerate(samples[c]) if abs(i - k) == 1]
+            apart = others + [piece for i, piece in enumerate(samples[c]) if abs(i - k) > 1]
+            near = _Near(np.concatenate([around, *next_to]), np.array(apart, dtype=complex).ravel())
+            found += _segment(a, b, first_tip, last_tip, ends, near)
     starts, ends_of = (np.array([f[i] for f in found], dtype=complex) for i in (0, 1))
     tip = np.array([f[2] for f in found], dtype=int)
     x, _, _ = straight_rule(p)
@@ -122,18 +126,33 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
     return CrackPanels(p, starts, ends_of, tip >= 0, tip, z.ravel())
 
 
+class _Near(NamedTuple):
+    """Samples of what is around a segment: surfaces and the segments next to it, and all others."""
+
+    surfaces: Complex
+    cracks: Complex
+
+    def longest(self, z: Complex) -> float:
+        """How long a panel through points z (k,) may be, mm."""
+        return min(
+            share * float(np.abs(z[:, None] - those).min())
+            for share, those in ((PER_DISTANCE, self.surfaces), (PER_CRACK, self.cracks))
+            if len(those)
+        )
+
+
 def _segment(
-    a: complex, b: complex, first_tip: int, last_tip: int, ends: Sequence[float], around: Complex
+    a: complex, b: complex, first_tip: int, last_tip: int, ends: Sequence[float], near: _Near
 ) -> list[tuple[complex, complex, int]]:
     """Panels of a segment from a to b: start, end, and the tip at the end or -1."""
     length = abs(b - a)
     low, high = 0.0, 1.0
     panels: list[tuple[complex, complex, int]] = []
     if first_tip >= 0:
-        low = _tip_share(a, b, ends[1] if last_tip < 0 else 0.0, around)
+        low = _tip_share(a, b, ends[1] if last_tip < 0 else 0.0, near)
         panels.append((a + low * (b - a), a, first_tip))
     if last_tip >= 0:
-        high = 1.0 - _tip_share(b, a, ends[0] if first_tip < 0 else 0.0, around)
+        high = 1.0 - _tip_share(b, a, ends[0] if first_tip < 0 else 0.0, near)
         panels.append((a + high * (b - a), b, last_tip))
     first = ends[0] if first_tip < 0 else low
     last = ends[1] if last_tip < 0 else 1.0 - high
@@ -141,9 +160,8 @@ def _segment(
     while todo:
         u, v = todo.pop()
         z = a + np.linspace(u, v, 5) * (b - a)
-        away = np.abs(z[:, None] - around).min() if len(around) else np.inf
         # at a mouth the surface itself is near
-        allowed = min(max(u, first), max(1.0 - v, last), max(PER_DISTANCE * away / length, min(first, last)))
+        allowed = min(max(u, first), max(1.0 - v, last), max(near.longest(z) / length, min(first, last)))
         if v - u > allowed * (1 + 1e-9):
             todo += [(u, 0.5 * (u + v)), (0.5 * (u + v), v)]
         else:
@@ -151,10 +169,9 @@ def _segment(
     return panels
 
 
-def _tip_share(tip: complex, other: complex, grade: float, around: Complex) -> float:
+def _tip_share(tip: complex, other: complex, grade: float, near: _Near) -> float:
     """Length of the panel at a tip over that of its segment, whose other end needs panels as short as ``grade``."""
-    away = float(np.abs(tip - around).min()) if len(around) else np.inf
-    return min(1.0 if grade == 1.0 else AT_TIP, PER_DISTANCE * away / abs(other - tip))
+    return min(1.0 if grade == 1.0 else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
 
 
 def _sampled(a: complex, b: complex) -> Complex:
