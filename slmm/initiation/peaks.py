@@ -1,8 +1,9 @@
 """Where the largest index may lie between two positions, and which further positions would find it.
 
 The index along an outline has a peak where the stress has one. Between two positions it is as high as a parabola
-through three of them says, once they lie closely enough to see each bend of the outline. What is still hidden must be
-covered by the estimate of the index's error; where it is not, positions are added.
+through three of them says, or a cubic through the next one on either side, too, once they lie closely enough to see
+each bend of the outline. What is still hidden must be covered by the estimate of the index's error; where it is not,
+positions are added.
 """
 
 from __future__ import annotations
@@ -89,6 +90,15 @@ def find_peaks(
                 for start, end, one, other in ((s[0], s[1], before, row), (s[1], s[2], row, after))
             ]
             rise, at = _parabola(s, index[[before, row, after]])
+            for other in _second_neighbours(rows, row):
+                if np.isnan(where.corner[other]):
+                    far = (float(where.s[other]) - s[1] + outline.length / 2) % outline.length
+                    higher, there = _cubic(
+                        s, s[1] + far - outline.length / 2, index[[before, row, after]], float(index[other])
+                    )
+                    between = s[1] - s[0] if there < s[1] else s[2] - s[1]
+                    if higher > rise and not between <= SHORT * crack_length[row]:
+                        rise, at = higher, there
             wanted = np.concatenate(bends) if index[row] >= HIDDEN * index[top] else np.empty(0)
             smooth = np.isnan(where.corner[[before, row, after]]).all()
             if not len(wanted) and smooth:
@@ -211,6 +221,14 @@ def _maxima(rows: np.ndarray, index: np.ndarray) -> list[tuple[int, int, int]]:
     return [(int(rows[i]), int(before[i]), int(after[i])) for i in np.flatnonzero(highest)]
 
 
+def _second_neighbours(rows: np.ndarray, row: int) -> list[int]:
+    """Those of a position, but for its neighbours."""
+    if len(rows) < 5:
+        return []
+    i = int(np.flatnonzero(rows == row)[0])
+    return [int(rows[i - 2]), int(rows[(i + 2) % len(rows)])]
+
+
 def _unrolled(s: np.ndarray, length: float) -> np.ndarray:
     """Three arc lengths (3,) in ascending order, where the outline's start may lie between them."""
     before, at, after = s
@@ -244,6 +262,15 @@ def _parabola(s: np.ndarray, index: np.ndarray) -> tuple[float, float]:
     if not curvature < 0:
         return 0.0, float(s[1])
     return float(-(slope**2) / (4 * curvature)), float(s[1] - slope / (2 * curvature))
+
+
+def _cubic(s: np.ndarray, far: float, index: np.ndarray, beyond: float) -> tuple[float, float]:
+    """The same through a fourth point beside the three, as high as the cubic gets between these."""
+    fitted = np.polynomial.Polynomial.fit(np.append(s, far) - s[1], np.append(index, beyond), 3)
+    at = np.linspace(s[0], s[2], 65)
+    values = fitted(at - s[1])
+    top = int(values.argmax())
+    return float(values[top] - index[1]), float(at[top])
 
 
 def _unseen(s: np.ndarray, index: np.ndarray, short: float) -> tuple[np.ndarray, float]:
