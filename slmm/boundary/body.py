@@ -15,8 +15,9 @@ from slmm.boundary.densities import (
     displacement_of_jump,
     parts,
 )
-from slmm.boundary.panels import boundary_of, panelled
+from slmm.boundary.panels import panelled
 from slmm.boundary.rules import Array, highest, integration
+from slmm.boundary.stretches import boundary_of
 from slmm.mechanics.material import Material
 from slmm.mechanics.rigid import free_motions
 from slmm.mechanics.stress import kolosov, shear_modulus
@@ -147,7 +148,7 @@ class Body:
         for contour in np.unique(panels.contour[held]):
             total = self._total(contour)[None, self.held_rows]
             jump = self._jump(contour)
-            result += Linear(-jump.one @ total, -jump.other @ total.conj())
+            result = result.plus(Linear(-jump.one @ total, -jump.other @ total.conj()))
         return result
 
     def _total(self, contour: int) -> Array:
@@ -166,12 +167,11 @@ class Body:
         n = self.panels.n
         by_g, by_q = displacement_of_boundary(self.panels, self.kappa, self.panels.z, np.arange(n))
         by_g = Linear(by_g.one - (self.kappa + 1) * np.eye(n), by_g.other)
-        matrix = self.in_unknowns(by_g, self.by_tractions(by_q) + self._unseen())
+        matrix = self.in_unknowns(by_g, self.by_tractions(by_q).plus(self._unseen()))
         self.known_q = self.to_q @ (self.known_t * 1j / (self.kappa + 1))
         known = by_g(self.known_g) + by_q(self.known_q)
         for contour in np.unique(self.panels.contour[self.held_rows // self.panels.p]):
             known -= self._jump(contour)(self._total(contour) @ self.known_t[:, None])
-        rhs = -known
         points = np.column_stack([self.panels.z.real, self.panels.z.imag])
         free = free_motions(points, self.held)
         weight = np.repeat(np.abs(self.panels.dz), 2)
@@ -179,7 +179,7 @@ class Body:
         for mode in free.T:
             matrix += (self.kappa + 1) / weight.sum() * np.outer(mode, mode * weight)
         self.lu = la.lu_factor(matrix, overwrite_a=True)
-        self.solution = la.lu_solve(self.lu, parts(rhs))
+        self.solution = la.lu_solve(self.lu, -parts(known))
 
     def _check_balance(self, free: Array, weight: Array) -> None:
         """Refuse forces that do work on motions that nothing holds."""

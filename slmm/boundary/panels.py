@@ -5,84 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slmm.boundary.rules import Array, Complex, rule
-from slmm.fem.boundary import Piece, boundary_pieces
-from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
+from slmm.boundary.stretches import Stretch
 from slmm.part.part import Part
-from slmm.scene.loading import Loading
 
 #: panel on an outline over its smallest radius of curvature there, over its distance from other surfaces and from crack
 #: tips, and on straight edges over the part's smaller side (chosen on the cases of tests/boundary)
 PER_RADIUS, PER_DISTANCE, PER_SIDE = 0.8, 1.0, 0.25
-#: the last panel before a corner that juts out, a mouth of a crack and a corner that points into the material, over the
-#: length of the side: solutions are smoother there by turns (chosen likewise)
-JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
-#: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
-CHANGE, HELD = 0.05, 1e-3
-#: jumps of the curvature over the outline's largest one that end a panel (chosen)
-JUMP = 0.02
-
-
 #: points on all panels, at most: the matrix of 6000 takes 1.2 GB and a minute (chosen)
 MOST_POINTS = 6000
 
 
 class TooManyPointsError(ValueError):
     """A part with more outlines than dense matrices can hold."""
-
-
-class Stretch(NamedTuple):
-    """A smooth curve of the boundary, the body on its left.
-
-    Attributes
-    ----------
-    start, end : complex
-        Its ends, mm.
-    outline : Outline or None
-        Of a hole; None for a straight edge.
-    hole : int
-        Which of the holes, -1 for none.
-    s : (float, float)
-        Arc lengths on the outline, mm, descending.
-    last : (float, float)
-        Length of the last panel before either end over that of the curve.
-    closed : bool
-        A whole outline.
-    """
-
-    start: complex
-    end: complex
-    outline: Outline | None = None
-    hole: int = -1
-    s: tuple[float, float] = (0.0, 0.0)
-    last: tuple[float, float] = (JUTTING, JUTTING)
-    closed: bool = False
-
-    @property
-    def length(self) -> float:
-        """mm."""
-        return abs(self.end - self.start) if self.outline is None else self.s[0] - self.s[1]
-
-    def at(self, share: Array) -> tuple[Complex, Complex, Array]:
-        """Points (n,), tangents (n,) and curvatures (n,), positive to the left, at shares of the length.
-
-        At corners the tangent is that of this stretch.
-        """
-        if self.outline is None:
-            along = (self.end - self.start) / abs(self.end - self.start)
-            n = len(share)
-            return self.start + share * (self.end - self.start), np.full(n, along), np.zeros(n)
-        s = self.s[0] - share * self.length
-        x, y = self.outline.points(s).T
-        # a corner's own tangent is that half way between its sides
-        inset = 2 * AT_CORNER * self.outline.length
-        tx, ty = self.outline.tangents(np.clip(s, self.s[1] + inset, self.s[0] - inset)).T
-        return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,117 +73,6 @@ class Panels:
     def n(self) -> int:
         """Number of points."""
         return len(self.z)
-
-
-def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list[list[Stretch]]:
-    """The closed curves around a part, each of stretches that end at corners, mouths and where conditions do.
-
-    Parameters
-    ----------
-    part : Part
-    mouths : sequence of complex
-        Where cracks end on the boundary, mm.
-    loading : Loading
-    """
-    wanted = np.concatenate(
-        [
-            np.array([(z.real, z.imag) for z in mouths]).reshape(-1, 2),
-            np.array([end for condition in loading for end in (condition.start, condition.end)]).reshape(
-                -1, 2
-            ),
-            *(hole.points(_curvature_jumps(hole)) for hole in part.holes),
-        ]
-    )
-    return [
-        _graded(
-            [stretch for piece in ring for stretch in _stretches(piece, part)],
-            mouths,
-            loading,
-            part.tolerance,
-        )
-        for ring in boundary_pieces(part.body, part.holes, wanted)
-    ]
-
-
-def _curvature_jumps(hole: Outline) -> Array:
-    """Arc lengths (k,) where the curvature of an outline jumps, as where an arc goes over into a straight side, mm."""
-    a, b, c, _ = hole.coefficients
-    h = np.diff(hole.breaks)[:, None]
-
-    def bend(slope: Array, second: Array) -> Array:
-        return (slope[:, 0] * second[:, 1] - slope[:, 1] * second[:, 0]) / np.linalg.norm(slope, axis=1) ** 3
-
-    starts, ends = bend(c, 2 * b), bend((3 * a * h + 2 * b) * h + c, 6 * a * h + 2 * b)
-    jump = np.abs(starts - np.roll(ends, 1))
-    return hole.breaks[:-1][jump > JUMP * np.abs(starts).max(initial=1e-300)]
-
-
-def _stretches(piece: Piece, part: Part) -> list[Stretch]:
-    """A piece of the boundary, cut at its prescribed points."""
-    x, y = piece.points(piece.s, part.holes).T
-    z = x + 1j * y
-    if piece.outline < 0:
-        return [Stretch(a, b) for a, b in pairwise(z.tolist())]
-    hole = part.holes[piece.outline]
-    return [
-        Stretch(a, b, hole, piece.outline, (first, last))
-        for a, b, first, last in zip(z, z[1:], piece.s.tolist(), piece.s[1:].tolist(), strict=False)
-    ]
-
-
-def _held(stretch: Stretch, loading: Loading) -> tuple[bool, bool]:
-    """Whether u_x and u_y are prescribed on a stretch."""
-    if stretch.outline is not None:
-        return False, False
-    middle = 0.5 * (stretch.start + stretch.end)
-    on = [c.is_held for c in loading if c.on(np.array([[middle.real, middle.imag]]))[0]]
-    return any(x for x, _ in on), any(y for _, y in on)
-
-
-def _is_singular(one: tuple[bool, bool], other: tuple[bool, bool], turn: float) -> bool:
-    """Whether stresses grow without bound in a corner that juts out, by what is held on its sides.
-
-    A roller is a mirror at a right angle: what it meets there goes straight on.
-    """
-    square = abs(turn - 0.5 * np.pi) < SMALLEST_TURN
-    return one != other and not (square and 1 in (sum(one), sum(other)))
-
-
-def _graded(
-    stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float
-) -> list[Stretch]:
-    """The stretches of a closed curve, with how far panels shrink towards their ends."""
-    held = [_held(stretch, loading) for stretch in stretches]
-    breaks = np.array(mouths, dtype=complex)
-    ends = np.array([0.0, 1.0])
-    tangents = [stretch.at(ends)[1] for stretch in stretches]
-    grade = []
-    for k, stretch in enumerate(stretches):
-        turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
-        # where two straight stretches go on into each other, conditions change
-        changes = stretch.outline is None and stretches[k - 1].outline is None and abs(turn) < SMALLEST_TURN
-        if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
-            grade.append(MOUTH)
-        elif changes:
-            grade.append(CHANGE)
-        elif turn < -SMALLEST_TURN:
-            grade.append(REENTRANT)
-        else:
-            grade.append(HELD if _is_singular(held[k - 1], held[k], turn) else JUTTING)
-    alone = len(stretches) == 1 and stretches[0].outline is not None
-    if alone and abs(np.angle(tangents[0][0] / tangents[0][1])) < SMALLEST_TURN and grade[0] == JUTTING:
-        return [stretches[0]._replace(closed=True)]
-    length = [stretch.length for stretch in stretches]
-    # beside a short stretch panels are as short as that asks for
-    return [
-        stretch._replace(
-            last=(
-                grade[k] * min(1.0, length[k - 1] / length[k]),
-                grade[k + 1 - len(grade)] * min(1.0, length[k + 1 - len(grade)] / length[k]),
-            )
-        )
-        for k, stretch in enumerate(stretches)
-    ]
 
 
 def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[complex], p: int) -> Panels:

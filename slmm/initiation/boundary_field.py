@@ -11,7 +11,7 @@ from slmm.boundary.model import BoundaryModel
 from slmm.initiation.local_model import rasterised
 from slmm.initiation.uncracked import Raster
 
-#: Gauss points on a panel, and on those of the model that the error is told from; both even
+#: Gauss points on a panel, and on those of the model that the error is told from (chosen)
 ORDER, LOWER_ORDER = 10, 8
 #: voxels along a panel that resolve displacements as well: the field is smooth between its points
 VOXELS_PER_PANEL = 40
@@ -93,7 +93,7 @@ def solve_boundary(scene: Any) -> BoundaryField:
     Raises
     ------
     ValueError
-        When a notch cuts the plate's edge.
+        When cracks sever the part, or its outlines need more points than a dense matrix holds.
     """
     model, lower = (BoundaryModel(scene.part, scene.material, scene.loading, p) for p in (ORDER, LOWER_ORDER))
     return BoundaryField(model, lower, rasterised(scene))

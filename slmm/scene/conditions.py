@@ -125,8 +125,8 @@ class _Placed(NamedTuple):
     @property
     def acts(self) -> tuple[bool, bool]:
         """In which directions."""
-        held = self.condition.is_held
-        return tuple(h or bool(t) for h, t in zip(held, self.condition.traction, strict=True))  # type: ignore[return-value]
+        (x, y), (t_x, t_y) = self.condition.is_held, self.condition.traction
+        return x or bool(t_x), y or bool(t_y)
 
 
 def general_loading(tables: tuple[Boundary, ...], part: Part) -> tuple[Loading, list[str]]:
