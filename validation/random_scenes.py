@@ -57,6 +57,8 @@ LOWEST, HIGHEST = 0.9, 1.1
 WITHOUT = 0.05
 #: scenes after which processes are replaced
 BATCH = 40
+#: what a picture is refused for, by right, whose pixels do not see a ligament of the outlines drawn
+CUT = "cut the plate into"
 #: words of a summary that commit it
 SAFE, CRACK = "No crack starts", ("A crack starts", "The crack goes on")
 
@@ -113,7 +115,8 @@ def examine(number: int, positions: int, true_positions: int) -> Row:
                 true, own, by = max((true, own, by), at_its_peak(scaled(part.scene, factor), result))
         # whatever a scene raises is a finding, and the study goes on
         except Exception as error:
-            return row | {"raised": f"{type(error).__name__}: {error}"}
+            words = "refused" if row["picture"] and CUT in str(error) else ""
+            return row | {"words": words, "raised": f"{type(error).__name__}: {error}"}
     return row | {"FI_true": true, "error_true": own, "truth_by": by} | told(result, true, own)
 
 
@@ -256,7 +259,20 @@ def judged(rows: list[Row]) -> list[Check]:
     case = f"{len(rows)} random scenes"
     positions = numbers("positions").sum()
     checks = [
-        Check(case, "scenes that raise", 0, len(rows) - len(answered), rule="at most"),
+        Check(
+            case,
+            "scenes that raise",
+            0,
+            sum(bool(row["raised"]) and row["words"] != "refused" for row in rows),
+            rule="at most",
+        ),
+        Check(
+            case,
+            "pictures refused, with a ligament thinner than a pixel",
+            np.nan,
+            sum(row["words"] == "refused" for row in rows),
+            rule="told",
+        ),
         *(
             Check(case, f"refuted: {what}", 0, count("refuted", what), rule="at most")
             for what in ("a crack starts", "no crack starts", "index is low")

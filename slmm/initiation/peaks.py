@@ -203,6 +203,9 @@ def _towards_ends(
     for end in ends:
         crack = np.nan_to_num(crack_length[end.near], nan=0.0)
         rise = float(index[end.near] - index[end.far])
+        if rise > 0 and end.corner < 0 and end.away > SHORT * crack > 0:
+            # a held edge may make it rise as the root of the distance falls, down to where the criterion does not see it
+            rise = max(rise, (np.sqrt(end.away / (SHORT * crack)) - 1) * float(index[end.near]))
         if end.away > FAR_FROM_CORNER * crack:
             rise = max(rise, BEFORE_FALL * float(index[end.near]))
             if end.corner >= 0 and index[end.near] > ASYMMETRIC * index[end.beyond]:

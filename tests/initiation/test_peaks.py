@@ -195,3 +195,26 @@ def test_values_of_a_random_scene_whose_peak_a_parabola_does_not_see():
     assert np.abs(peak.wanted - 40.047).min() < 0.02
     assert 0.624 + peak.rise == pytest.approx(0.675, abs=0.01)
     assert find_peaks(scene, where, index, np.full(6, 0.004), np.full(6, 1.0)) == []
+
+
+def test_a_singular_rise_towards_a_held_edge_is_followed_from_far_below_the_largest():
+    """Random scene 148: 0.93 at the position next to the edge, 2.93 at the edge, 2.60 elsewhere."""
+    scene = gallery.circular_hole(
+        holes=[{"shape": "circle", "center": [50.0, 0.0], "radius": 20.0}], load={"strain": [0.0, 0.0, 0.1]}
+    )
+    where = find_positions(scene, 30)
+    height = where.points[:, 1]
+    right = where.points[:, 0] > 50
+    lowest = height[right].min()
+    index = np.where(right, 0.35 * (lowest / height) ** 2, 0.1)
+    index[np.argmax(height)] = 1.0
+    (outline,) = scene.outlines
+
+    def wanted(crack_length):
+        peaks = find_peaks(scene, where, index, np.zeros(len(index)), np.full(len(index), crack_length))
+        points = outline.points(np.concatenate([peak.wanted for peak in peaks]))
+        return points[(points[:, 0] > 50) & (points[:, 1] < lowest), 1]
+
+    assert wanted(0.1 * lowest).min() < 0.3 * lowest
+    # over a length of its own the criterion looks in any case
+    assert len(wanted(4 * lowest)) == 0
