@@ -204,7 +204,7 @@ def _towards_ends(
         crack = np.nan_to_num(crack_length[end.near], nan=0.0)
         rise = float(index[end.near] - index[end.far])
         if rise > 0 and end.corner < 0 and end.away > SHORT * crack > 0:
-            # a held edge may make it rise as the root of the distance falls, down to where the criterion does not see it
+            # a held edge may make it rise as the root of the distance falls, to where the criterion does not look
             rise = max(rise, (np.sqrt(end.away / (SHORT * crack)) - 1) * float(index[end.near]))
         if end.away > FAR_FROM_CORNER * crack:
             rise = max(rise, BEFORE_FALL * float(index[end.near]))
