@@ -11,6 +11,7 @@ import numpy as np
 from slmm.boundary.rules import Array, Complex
 from slmm.fem.boundary import Piece, boundary_pieces
 from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
+from slmm.part.outline_splines import curvature_jumps
 from slmm.part.part import Part
 from slmm.scene.loading import Loading
 
@@ -19,8 +20,6 @@ from slmm.scene.loading import Loading
 JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
 #: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
 CHANGE, HELD = 0.05, 1e-3
-#: jumps of the curvature over the outline's largest one that end a panel (chosen)
-JUMP = 0.02
 
 
 class Stretch(NamedTuple):
@@ -88,7 +87,7 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
             np.array([end for condition in loading for end in (condition.start, condition.end)]).reshape(
                 -1, 2
             ),
-            *(hole.points(_curvature_jumps(hole)) for hole in part.holes),
+            *(hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.holes),
         ]
     )
     return [
@@ -100,19 +99,6 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
         )
         for ring in boundary_pieces(part.body, part.holes, wanted)
     ]
-
-
-def _curvature_jumps(hole: Outline) -> Array:
-    """Arc lengths (k,) where the curvature of an outline jumps, as where an arc goes over into a straight side, mm."""
-    a, b, c, _ = hole.coefficients
-    h = np.diff(hole.breaks)[:, None]
-
-    def bend(slope: Array, second: Array) -> Array:
-        return (slope[:, 0] * second[:, 1] - slope[:, 1] * second[:, 0]) / np.linalg.norm(slope, axis=1) ** 3
-
-    starts, ends = bend(c, 2 * b), bend((3 * a * h + 2 * b) * h + c, 6 * a * h + 2 * b)
-    jump = np.abs(starts - np.roll(ends, 1))
-    return hole.breaks[:-1][jump > JUMP * np.abs(starts).max(initial=1e-300)]
 
 
 def _stretches(piece: Piece, part: Part) -> list[Stretch]:

@@ -12,14 +12,20 @@ from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
 from slmm.initiation.cell_errors import faded, reference_stress
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
 from slmm.initiation.meta_model import polynomial_matrix
+from slmm.initiation.positions import is_within
 from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal_stress
+from slmm.part.outline_splines import curvature_jumps
+from slmm.scene.scene import Scene
 
 #: element size of the coarser mesh at a position over the longest crack, and least one over the outline's
 #: length; both chosen
 SIZE_PER_CRACK, SIZE_PER_OUTLINE = 0.25, 1 / 120
 #: and largest one over the distance to the plate's edge; chosen
 SIZE_PER_DISTANCE = 0.3
+#: the same where the curvature jumps, over what the outline's bend asks for; chosen: the stress of random scene 182
+#: converges from there
+AT_JOINT = 0.25
 #: longest crack as a share of the ligament: beyond, the opposite surface is too near for the samples of its
 #: answer; chosen
 SAMPLED_LIGAMENT = 0.6
@@ -58,9 +64,27 @@ def body_fitted_model(task: Task, coarseness: float = 1.0) -> BodyFitted:
     to_edge = np.minimum.reduce([x, scene.plate.width - x, y, scene.plate.height - y])
     # where the notch meets the plate's edge the stress may be singular
     size = np.minimum(size, SIZE_PER_DISTANCE * to_edge)
-    return solve_body_fitted(
-        scene, angle_max=coarseness * ANGLE_MAX, fine_at=(where.points, coarseness * size)
-    )
+    joints, across = _joints(scene)
+    fine_at = np.concatenate([where.points, joints]), coarseness * np.concatenate([size, across])
+    return solve_body_fitted(scene, angle_max=coarseness * ANGLE_MAX, fine_at=fine_at)
+
+
+def _joints(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Points (k, 2) where the curvature of outlines jumps, and the element sizes (k,) there, mm.
+
+    Along the bend the stress rises within a part of what a chord of the mesh turns by.
+    """
+    points, size = [np.empty((0, 2))], [np.empty(0)]
+    for outline in scene.outlines:
+        s = curvature_jumps(outline.breaks, outline.coefficients)
+        s = s[outline.corner_at(s) < 0]
+        beside = 1e-6 * outline.length
+        bend = np.maximum.reduce([np.abs(outline.curvatures(s + side * beside)) for side in (-1, 1)])
+        at = outline.points(s)
+        inside = is_within(scene, at)
+        points.append(at[inside])
+        size.append(ANGLE_MAX * AT_JOINT / bend[inside])
+    return np.concatenate(points), np.concatenate(size)
 
 
 def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndarray) -> None:

@@ -15,6 +15,8 @@ MIN_PIECES, MAX_PIECES = 256, 4000  # both chosen
 TURN_PER_PIECE = 0.02
 #: beyond this angle even the finest spline does not follow the outline any more: it has a corner; chosen
 TURN_REFUSED = 0.4
+#: jumps of the curvature over the outline's largest one that count; chosen
+JUMP = 0.02
 #: Gauss points for the arc length of one piece
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 #: Newton steps for a point at a given arc length, at most, and the share of a piece at which they end; both round-off
@@ -187,3 +189,16 @@ def smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -
     smooth = np.fft.ifft(harmonics - removed(log_k_c))
     points = np.column_stack([smooth.real, smooth.imag])
     return periodic_spline(chord_lengths(points), points)
+
+
+def curvature_jumps(breaks: Array, coefficients: Array) -> Array:
+    """Arc lengths (k,) where the curvature jumps, as where an arc goes over into a straight side, mm."""
+    a, b, c, _ = coefficients
+    h = np.diff(breaks)[:, None]
+
+    def bend(slope: Array, second: Array) -> Array:
+        return (slope[:, 0] * second[:, 1] - slope[:, 1] * second[:, 0]) / np.linalg.norm(slope, axis=1) ** 3
+
+    starts, ends = bend(c, 2 * b), bend((3 * a * h + 2 * b) * h + c, 6 * a * h + 2 * b)
+    jump = np.abs(starts - np.roll(ends, 1))
+    return breaks[:-1][jump > JUMP * np.abs(starts).max(initial=1e-300)]
