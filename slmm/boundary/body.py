@@ -74,8 +74,8 @@ class Body:
         same = part.holes is self.part.holes and part.outer is self.part.outer
         if not same or mouths_of(part) != self.mouths:
             return False
-        ends, p = self.panels.z.reshape(-1, self.p), self.p
-        length = np.abs(self.panels.dz.reshape(-1, p)).sum(axis=1)
+        ends = self.panels.z.reshape(-1, self.p)
+        length = self.panels.length
         return all((np.abs(ends - tip).min(axis=1) * TOO_NEAR >= length).all() for tip in tips_of(part))
 
     def _set_conditions(self) -> None:
@@ -84,16 +84,16 @@ class Body:
         self.held = np.zeros((n, 2), dtype=bool)
         known, traction = np.zeros((n, 2)), np.zeros((n, 2))
         points = np.column_stack([panels.z.real, panels.z.imag])
-        outer = np.repeat(panels.straight, panels.p)
         self.of_condition: dict[Condition, NDArray[np.bool_]] = {}
         for condition in self.loading:
-            on = outer & condition.on(points)
+            on = condition.on(points)
             self.of_condition[condition] = on
             for i, component in enumerate(condition.displacement):
                 if component is not None:
                     self.held[on, i] = True
                     known[on, i] = component(points[on]) * 2 * self.mu / (self.kappa + 1)
-            traction[on] = condition.traction
+            outward = np.column_stack([panels.tangent.imag, -panels.tangent.real])[on]
+            traction[on] += condition.tractions(outward)
         traction[self.held] = 0.0
         self.known_g = known @ [1, 1j]
         self.known_t = traction @ [1, 1j]
@@ -103,7 +103,7 @@ class Body:
         """From tractions (n,) to the integrals of i t ds along each contour, over i."""
         panels, p = self.panels, self.panels.p
         local = integration(p)
-        length = np.abs(panels.dz.reshape(-1, p)).sum(axis=1)
+        length = panels.length
         m = len(length)
         matrix = np.zeros((m, p, m, p))
         for k in range(m):
@@ -139,7 +139,7 @@ class Body:
         panels, p = self.panels, self.panels.p
         own = np.arange(panels.n) // p
         held = np.unique(self.held_rows // p)
-        share = 0.5 * np.abs(panels.dz.reshape(-1, p)).sum(axis=1)[held, None] * highest(p)
+        share = 0.5 * panels.length[held, None] * highest(p)
         spread = np.zeros((len(held), panels.n), dtype=complex)
         np.put_along_axis(spread, held[:, None] * p + np.arange(p), share * (1j / (self.kappa + 1)), axis=1)
         spread = spread[:, self.held_rows]

@@ -71,10 +71,21 @@ def displacement_of_boundary(
 def displacement_of_highest(
     panels: Panels, kappa: float, which: NDArray[np.int64], targets: Complex, own: NDArray[np.int64]
 ) -> Linear:
-    """W at targets (t,), on panels ``own``, by a q that is P_p on each of the straight panels ``which`` (m,)."""
+    """W at targets (t,), on panels ``own``, by a q that is P_p on each of the panels ``which`` (m,)."""
     place = np.full(len(panels.ends) + 1, -1)
     place[which] = np.arange(len(which))
-    C1, C3 = of_highest(targets, place[own], panels.p, panels.ends[which], *highest_rule(panels.p))
+    C1, C3 = of_highest(
+        targets,
+        place[own],
+        panels.p,
+        panels.ends[which],
+        panels.straight[which],
+        panels.fine[which],
+        panels.fine_tangent[which],
+        panels.length[which],
+        panels.fine_inverse[which],
+        *highest_rule(panels.p),
+    )
     return Linear(2 * kappa * C1.real / TWO_PI_I, C3 / TWO_PI_I)
 
 

@@ -147,37 +147,56 @@ def boundary_displacement(
 
 
 @njit(cache=True)
-def of_highest(targets, own, p, ends, x, step):
-    """C1 and C3 (t, m) of Legendre's P_p, which vanishes at all points, on straight panels, for targets (t,).
+def of_highest(targets, own, p, ends, straight, fine, fine_tangent, length, fine_inverse, value, w):
+    """C1 and C3 (t, m) of Legendre's P_p, which vanishes at all points, on panels, for targets (t,).
 
-    ``own`` (t,) is the panel that a target lies on, -1 for none; ``x`` are points of a rule beyond p and ``step`` its
-    weights times P_p.
+    ``own`` (t,) is the panel that a target lies on, -1 for none; ``value`` (2 p,) is P_p at the ``fine`` points, ``w``
+    the weights of their rule.
     """
-    t, m = len(targets), len(ends)
+    t, m, q = len(targets), len(ends), 2 * p
     C1 = np.zeros((t, m), dtype=np.complex128)
     C3 = np.zeros((t, m), dtype=np.complex128)
-    I = np.empty((3, p + 1), dtype=np.complex128)
+    I = np.empty((3, q), dtype=np.complex128)
+    local = np.empty(q, dtype=np.complex128)
     for i in range(t):
         target = targets[i]
         for k in range(m):
             middle, half = 0.5 * (ends[k, 0] + ends[k, 1]), 0.5 * (ends[k, 1] - ends[k, 0])
             zeta = (target - middle) / half
-            if is_far(zeta):
-                for j in range(len(x)):
-                    gap = middle + half * x[j] - target
+            far, on_panel = is_far(zeta), own[i] == k
+            if far or (on_panel and not straight[k]):
+                for j in range(q):
+                    gap = fine[k, j] - target
                     back = np.conj(gap)
-                    C1[i, k] += half * step[j] / gap
-                    C3[i, k] += half * step[j] / back - gap * np.conj(half * step[j]) / (back * back)
-                continue
-            if own[i] == k:
-                moments(zeta, complex(line_log(zeta.real), np.pi), 0, I)
+                    step = 0.5 * length[k] * fine_tangent[k, j] * w[j] * value[j]
+                    if far:
+                        C1[i, k] += step / gap
+                    C3[i, k] += step / back - gap * np.conj(step) / (back * back)
+                if far:
+                    continue
+            if straight[k]:
+                log = complex(line_log(zeta.real), np.pi) if on_panel else chord_log(zeta)
+                moments(zeta, log, 0 if on_panel else 1, I[:, : p + 1])
                 C1[i, k] = I[0, p]
+                if not on_panel:
+                    rho = np.conj(half) / half
+                    delta = rho * (target - middle) - np.conj(target - middle)
+                    C3[i, k] = delta / rho * np.conj(I[1, p] / half)
                 continue
-            moments(zeta, chord_log(zeta), 1, I)
-            rho = np.conj(half) / half
-            delta = rho * (target - middle) - np.conj(target - middle)
-            C1[i, k] = I[0, p]
-            C3[i, k] = delta / rho * np.conj(I[1, p] / half)
+            for j in range(q):
+                local[j] = (fine[k, j] - middle) / half
+            moments(zeta, panel_log(zeta, local, on_panel), 1, I)
+            other = 0.0j
+            for j in range(q):
+                one, two = 0.0j, 0.0j
+                for n in range(q):
+                    one += I[0, n] * fine_inverse[k, n, j]
+                    two += I[1, n] * fine_inverse[k, n, j]
+                chi = np.conj(fine_tangent[k, j]) / fine_tangent[k, j]
+                C1[i, k] += one * value[j]
+                other += (chi * one - np.conj(fine[k, j] - target) * two / half) * value[j]
+            if not on_panel:
+                C3[i, k] = np.conj(other)
     return C1, C3
 
 

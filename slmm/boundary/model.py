@@ -200,7 +200,7 @@ class BoundaryModel:
         That goes through the surface's own value and three deeper ones, where kernels keep their digits.
         """
         at = feet(self.part, self.panels, points)
-        length = np.abs(self.panels.dz.reshape(-1, self.panels.p)).sum(axis=1)[at.panel]
+        length = self.panels.length[at.panel]
         share = np.maximum(at.depth, 0.0) / (BESIDE * length)
         near = np.flatnonzero(share < 1)
         far = np.setdiff1d(np.arange(len(points)), near)

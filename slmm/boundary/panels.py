@@ -47,8 +47,8 @@ class Panels:
         The closed curve, and the hole, of a panel; -1 for none.
     smooth : ndarray, shape (m,) of int
         Panels of one smooth curve have the same number.
-    fine, fine_dz, fine_chi : ndarray, shape (m, 2 p)
-        Twice as many points on each panel, their weights, and conj(dz)/dz there.
+    fine, fine_tangent : ndarray, shape (m, 2 p)
+        Twice as many points on each panel, and the unit tangents there.
     inverse : ndarray, shape (m, p, p); fine_inverse : ndarray, shape (m, 2 p, 2 p)
         From values at the points to coefficients of Legendre polynomials in the panel's chord.
     """
@@ -65,9 +65,19 @@ class Panels:
     hole: NDArray[np.int64]
     smooth: NDArray[np.int64]
     fine: Complex
-    fine_chi: Complex
+    fine_tangent: Complex
     inverse: Complex
     fine_inverse: Complex
+
+    @property
+    def fine_chi(self) -> Complex:
+        """conj(dz)/dz at the fine points."""
+        return self.fine_tangent.conj() / self.fine_tangent
+
+    @property
+    def length(self) -> Array:
+        """Of each panel (m,), mm."""
+        return np.abs(self.dz).reshape(-1, self.p).sum(axis=1)
 
     @property
     def n(self) -> int:
@@ -96,7 +106,7 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
         )
     x, w = rule(p)
     xf, _ = rule(2 * p)
-    z, dz, tangent, curvature, ends, fine, chi = [], [], [], [], [], [], []
+    z, dz, tangent, curvature, ends, fine, fine_tangent = [], [], [], [], [], [], []
     for stretch, a, b, _, _ in parts:
         middle, half = 0.5 * (a + b), 0.5 * (b - a)
         points, along, bend = stretch.at(middle + half * x)
@@ -106,7 +116,7 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
         dz.append(along * (w * half * stretch.length))
         points, along, _ = stretch.at(middle + half * xf)
         fine.append(points)
-        chi.append(np.conj(along) / along)
+        fine_tangent.append(along)
         ends.append(stretch.at(np.array([a, b]))[0])
     ends_of, z_of, fine_of = np.array(ends), np.array(z), np.array(fine)
     return Panels(
@@ -129,7 +139,7 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
         np.array([stretch.hole for stretch, *_ in parts]),
         np.array([number for *_, number in parts]),
         fine_of,
-        np.array(chi),
+        np.array(fine_tangent),
         _inverses(z_of, ends_of),
         _inverses(fine_of, ends_of),
     )

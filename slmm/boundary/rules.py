@@ -52,9 +52,9 @@ def highest(p: int) -> Array:
 
 @lru_cache
 def highest_rule(p: int) -> tuple[Array, Array]:
-    """Points of twice as many, and weights times P_p."""
+    """P_p at twice as many points, and the weights of their rule."""
     x, w = rule(2 * p)
-    return x, w * legendre.legval(x, np.eye(p + 1)[p])
+    return legendre.legval(x, np.eye(p + 1)[p]), w
 
 
 def values_at(xi: Array, p: int) -> Array:

@@ -20,6 +20,8 @@ from slmm.scene.loading import Loading
 JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
 #: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
 CHANGE, HELD = 0.05, 1e-3
+#: points of a curve that tell whether it is straight (chosen), and how far these may lie beside it, over its length
+STRAIGHT_SAMPLES, ROUND_OFF = 7, 1e-13
 
 
 class Stretch(NamedTuple):
@@ -30,9 +32,9 @@ class Stretch(NamedTuple):
     start, end : complex
         Its ends, mm.
     outline : Outline or None
-        Of a hole; None for a straight edge.
+        None for a straight one.
     hole : int
-        Which of the holes, -1 for none.
+        Which of the part's outlines, -1 for a straight one.
     s : (float, float)
         Arc lengths on the outline, mm, descending.
     last : (float, float)
@@ -87,7 +89,7 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
             np.array([end for condition in loading for end in (condition.start, condition.end)]).reshape(
                 -1, 2
             ),
-            *(hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.holes),
+            *(hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.outlines),
         ]
     )
     return [
@@ -97,28 +99,29 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
             loading,
             part.tolerance,
         )
-        for ring in boundary_pieces(part.body, part.holes, wanted)
+        for ring in boundary_pieces(part.body, part.outlines, wanted)
     ]
 
 
 def _stretches(piece: Piece, part: Part) -> list[Stretch]:
     """A piece of the boundary, cut at its prescribed points."""
-    x, y = piece.points(piece.s, part.holes).T
+    x, y = piece.points(piece.s, part.outlines).T
     z = x + 1j * y
     if piece.outline < 0:
         return [Stretch(a, b) for a, b in pairwise(z.tolist())]
-    hole = part.holes[piece.outline]
-    return [
-        Stretch(a, b, hole, piece.outline, (first, last))
-        for a, b, first, last in zip(z, z[1:], piece.s.tolist(), piece.s[1:].tolist(), strict=False)
-    ]
+    hole = part.outlines[piece.outline]
+    found = []
+    for a, b, first, last in zip(z, z[1:], piece.s.tolist(), piece.s[1:].tolist(), strict=False):
+        x, y = hole.points(np.linspace(first, last, STRAIGHT_SAMPLES)).T
+        bulge = np.abs(((x + 1j * y - a) * np.conj(b - a)).imag).max()
+        is_straight = bulge < ROUND_OFF * abs(b - a) ** 2
+        found.append(Stretch(a, b) if is_straight else Stretch(a, b, hole, piece.outline, (first, last)))
+    return found
 
 
 def _held(stretch: Stretch, loading: Loading) -> tuple[bool, bool]:
     """Whether u_x and u_y are prescribed on a stretch."""
-    if stretch.outline is not None:
-        return False, False
-    middle = 0.5 * (stretch.start + stretch.end)
+    (middle,), *_ = stretch.at(np.array([0.5]))
     on = [c.is_held for c in loading if c.on(np.array([[middle.real, middle.imag]]))[0]]
     return any(x for x, _ in on), any(y for _, y in on)
 

@@ -36,15 +36,20 @@ class Feet(NamedTuple):
 def feet(part: Part, panels: Panels, points: Array) -> Feet:
     """The nearest points of the boundary to points (k, 2)."""
     z = points[:, 0] + 1j * points[:, 1]
-    outer = np.flatnonzero(panels.straight)
-    found = _on_edges(panels, outer, z)
-    for k, hole in enumerate(part.holes):
+    nowhere = np.full(len(z), np.inf)
+    found = Feet(np.zeros(len(z), dtype=int), nowhere, nowhere + 0j, nowhere + 0j, nowhere)
+    straight = np.flatnonzero(panels.straight)
+    if len(straight):
+        found = _on_edges(panels, straight, z)
+    for k, hole in enumerate(part.outlines):
         s = hole.project(points)
         x, y = hole.points(s).T
         tx, ty = hole.tangents(s).T
         foot, tangent = x + 1j * y, -(tx + 1j * ty)
         depth = ((z - foot) * np.conj(1j * tangent)).real
         of_hole = np.flatnonzero(panels.hole == k)
+        if not len(of_hole):
+            continue
         panel, xi, inside = _on_hole(panels, of_hole, s, hole.length)
         nearer = inside & (np.abs(z - foot) < np.abs(z - found.foot))
         found = Feet(
@@ -98,7 +103,7 @@ def surface_stress(
     scale : float
     """
     p = panels.p
-    length = np.abs(panels.dz.reshape(-1, p)).sum(axis=1)[at.panel]
+    length = panels.length[at.panel]
     slope = np.einsum("kp,kp->k", slopes_at(at.xi, p), g.reshape(-1, p)[at.panel]) * 2 / length
     traction = np.einsum("kp,kp->k", values_at(at.xi, p), t.reshape(-1, p)[at.panel])
     outward = -1j * at.tangent

@@ -230,7 +230,7 @@ def all_sizes(
     """Sizes for a part: outlines, gaps, cracks along lines (n, 2), a trial path (k, 2) of given nodes."""
     shorter = float(np.ptp(part.outer, axis=0).min())
     size = ElementSize(shorter / 12 if policy.largest is None else policy.largest)
-    for outline in part.holes:
+    for outline in part.outlines:
         follow_outline(size, outline, policy, part.body)
     follow_cracks(size, part.cracks, cracks, policy)
     resolve_gaps(size, part.body)

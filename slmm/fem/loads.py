@@ -6,12 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.polynomial.legendre import leggauss
 from scipy.sparse.csgraph import connected_components
 from skfem import MeshTri2
 
 from slmm.mechanics.rigid import free_motions
 from slmm.scene.load_checks import UNBALANCED
 from slmm.scene.loading import ON_STRETCH, Condition, Loading
+
+#: Gauss points on an edge for tractions that vary along it (chosen)
+EDGE_POINTS = 3
 
 
 @dataclass(frozen=True)
@@ -68,8 +72,8 @@ def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.
             if component is not None:
                 prescribed[on, i] = True
                 value[on, i] = component(points[on])
-            elif condition.traction[i]:
-                force[:, i] += edge_traction(mesh, points, on, condition.traction[i])
+        if condition.is_loaded:
+            force += forces_of(condition, mesh, points, on)
     adrift = np.zeros(len(points), dtype=bool)
     pieces = pieces_of(mesh, closed)
     for nodes in pieces:
@@ -130,7 +134,9 @@ def _supports(
     """Displacements (node, component) of a piece that fix what is free: at the ends of a stretch, or of the piece."""
     if stretch is not None:
         nodes_there = nodes[stretch.on(points[nodes])]
-        along = points[nodes_there] @ (np.array(stretch.end) - stretch.start)
+        # of a whole outline, which has no ends, the outermost nodes
+        way = np.array(stretch.end) - stretch.start
+        along = points[nodes_there] @ (way if way.any() else np.array([1.0, 0.0]))
         first, last = nodes_there[along.argmin()], nodes_there[along.argmax()]
     else:
         order = np.lexsort(points[nodes].T)
@@ -150,14 +156,20 @@ def _supports(
     return found
 
 
-def edge_traction(mesh: MeshTri2, points: np.ndarray, on_edge: np.ndarray, traction: float) -> np.ndarray:
-    """Consistent nodal forces (n,) of a uniform traction (MPa) on the boundary facets between marked nodes."""
+def forces_of(condition: Condition, mesh: MeshTri2, points: np.ndarray, on: np.ndarray) -> np.ndarray:
+    """Consistent nodal forces (n, 2), N for each mm of thickness, of a condition on the facets between marked nodes."""
     facets = mesh.boundary_facets()
-    facets = facets[np.all(on_edge[mesh.facets[:, facets]], axis=0)]
-    ends = mesh.facets[:, facets]
-    length = np.linalg.norm(points[ends[1]] - points[ends[0]], axis=1)
-    force = np.zeros(len(points))
-    # Simpson's rule: the consistent forces of a uniform traction
-    for nodes, share in ((ends[0], 1 / 6), (ends[1], 1 / 6), (mesh.nvertices + facets, 4 / 6)):
-        np.add.at(force, nodes, share * traction * length)
+    facets = facets[np.all(on[mesh.facets[:, facets]], axis=0) & on[mesh.nvertices + facets]]
+    nodes = np.column_stack([mesh.facets[0, facets], mesh.nvertices + facets, mesh.facets[1, facets]])
+    inner = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1).T
+    force = np.zeros_like(points)
+    for x, w in zip(*leggauss(EDGE_POINTS), strict=True):
+        shape = np.array([x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2])
+        slope = np.einsum("k,eki->ei", [x - 0.5, -2 * x, x + 0.5], points[nodes])
+        step = np.linalg.norm(slope, axis=1, keepdims=True)
+        outward = np.column_stack([slope[:, 1], -slope[:, 0]]) / step
+        outward *= np.sign(((points[nodes[:, 1]] - inner) * outward).sum(axis=1))[:, None]
+        acts = w * step * condition.tractions(outward)
+        for k in range(3):
+            np.add.at(force, nodes[:, k], shape[k] * acts)
     return force

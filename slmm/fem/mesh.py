@@ -169,7 +169,7 @@ def plate_mesh(
     >>> round(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2), 12)
     2.0
     """
-    outlines, body = part.holes, part.body
+    outlines, body = part.outlines, part.body
     extent = np.ptp(part.outer, axis=0)
     cracks = list(part.crack_lines)
     mouths = [point for crack in part.cracks for point in _mouths(crack)]

@@ -108,7 +108,6 @@ def by_griffith(task: Task) -> Answer:
 
 def find_notches(task: Task, answer: Answer, rows: Iterable[int]) -> dict[int, VNotch]:
     """The notches at some of the positions; those without one get their status."""
-    plate = task.scene.plate
     found = {}
     for i in rows:
         try:
@@ -116,7 +115,7 @@ def find_notches(task: Task, answer: Answer, rows: Iterable[int]) -> dict[int, V
         except ValueError as error:
             answer.status[i] = str(error)
             continue
-        if notch.clear <= TOLERANCE * max(plate.width, plate.height):
+        if notch.clear <= TOLERANCE * task.scene.size:
             answer.status[i] = Status.TOUCHED
         else:
             found[i] = notch

@@ -112,7 +112,7 @@ def voxel_count(task: Task) -> int:
         float(np.max(-outline.curvatures(where.s[where.hole == k]), initial=0.0))
         for k, outline in enumerate(scene.outlines)
     )
-    area = scene.plate.width * scene.plate.height
+    area = float(np.ptp(scene.box, axis=0).prod())
     wanted = area * (VOXELS_PER_RADIUS * sharpest) ** 2
     return int(np.clip(wanted, FEWEST_VOXELS, MOST_VOXELS))
 

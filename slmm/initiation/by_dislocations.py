@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from scipy.interpolate import PchipInterpolator
 
 from slmm.criteria.path_curves import PathCurves, path_points
@@ -60,8 +61,9 @@ def body_fitted_model(task: Task, coarseness: float = 1.0) -> BodyFitted:
     where, scene = task.where, task.scene
     length = np.array([outline.length for outline in scene.outlines])[where.hole]
     size = np.maximum(SIZE_PER_CRACK * task.paths.longest, SIZE_PER_OUTLINE * length)
-    x, y = where.points.T
-    to_edge = np.minimum.reduce([x, scene.plate.width - x, y, scene.plate.height - y])
+    to_edge = shapely.distance(scene.outer.exterior, shapely.points(where.points))
+    if scene.plate is None:  # its own surface is no edge that a notch could leave it by
+        to_edge[where.hole == len(scene.part.holes)] = np.inf
     # where the notch meets the plate's edge the stress may be singular
     size = np.minimum(size, SIZE_PER_DISTANCE * to_edge)
     joints, across = _joints(scene)

@@ -65,7 +65,7 @@ def place_cells(
     Parameters
     ----------
     scene : Scene
-        Its plate is used.
+        Its size is used.
     outline : Outline
         The notch.
     s : ndarray (n,)
@@ -81,12 +81,17 @@ def place_cells(
     """
     spline = np.ascontiguousarray(outline.breaks), np.ascontiguousarray(outline.coefficients)
     # no cell that fits the plate is higher than this
-    largest = settings.height or 2 * max(scene.plate.width, scene.plate.height)
+    largest = settings.height or 2 * scene.size
     first = settings.cell_voxels * local.resolution(outline.points(s))
     if settings.height:
         first = np.full(len(s), settings.height)
     c_min, c_max = float(meta.curvature[0]), float(meta.curvature[-1])
-    height, _, stopped = grow_cells(*spline, s, first, largest, rule, c_min, c_max, *local.raster)
+    solid, hx, hy, origin = local.raster
+    breaks, coefficients = spline[0], spline[1].copy()
+    coefficients[3] -= origin
+    height, _, stopped = grow_cells(
+        breaks, coefficients, s, first, largest, rule, c_min, c_max, solid, hx, hy
+    )
     rows = np.flatnonzero(np.isfinite(height))
     s, height = s[rows], height[rows]
 

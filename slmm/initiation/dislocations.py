@@ -28,6 +28,7 @@ from slmm.initiation.dislocation_energy import Bend, one_degree_less, released
 from slmm.initiation.face_compliance import LONGEST, face_compliance
 from slmm.initiation.surroundings import DIPOLES, Boundary, Trial, answers_of_surroundings
 from slmm.mechanics.richardson import extrapolated
+from slmm.part.part import OUTLINE_SAMPLES
 
 #: from so many positions on a model is condensed to its boundary; measured: the costs are then equal
 MANY = 16
@@ -101,7 +102,7 @@ class DislocationModel:
         self.boundaries = Boundary(model.coarse, condensed), Boundary(model.fine, condensed)
         self.body = scene.part.body
         shapely.prepare(self.body)
-        self.ends = _ends(self.body, scene.plate.width, scene.plate.height)
+        self.ends = _ends(scene)
 
     def reference_radius(self, origin: np.ndarray, along: np.ndarray, curvature: float) -> float:
         """Radius of the hole that stands for the notch, mm; inf where a straight edge does better.
@@ -199,11 +200,16 @@ class DislocationModel:
         return result
 
 
-def _ends(body: shapely.Polygon, width: float, height: float) -> np.ndarray:
-    """Where notches leave a plate, (n, 2), mm: vertices on its edges that are none of its corners."""
-    vertices, size = np.unique(shapely.get_coordinates(body), axis=0), np.array([width, height])
+def _ends(scene: Any) -> np.ndarray:
+    """Where notches leave a part, (n, 2), mm: of a plate, vertices on its edges that are none of its corners."""
+    part = scene.part
+    if part.rim is not None:
+        rings = [shapely.LinearRing(hole.polygon(OUTLINE_SAMPLES)) for hole in part.holes]
+        crossings = shapely.union_all(rings).intersection(scene.outer.exterior)
+        return np.asarray(shapely.get_coordinates(crossings))
+    vertices, size = np.unique(shapely.get_coordinates(part.body), axis=0), part.box[1]
     on_side = np.minimum(np.abs(vertices), np.abs(vertices - size)) < 1e-9 * size
-    return vertices[on_side.any(axis=1) & ~on_side.all(axis=1)]
+    return np.asarray(vertices[on_side.any(axis=1) & ~on_side.all(axis=1)])
 
 
 def _lengths(trial: Trial) -> np.ndarray:

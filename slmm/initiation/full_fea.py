@@ -245,9 +245,9 @@ def _path_start(
         return np.asarray(start, dtype=float), along / np.linalg.norm(along)
     if outline_index is None or s is None:
         raise ValueError("a crack path needs outline_index and s, or start and direction")
-    holes = scene.part.holes
-    if not 0 <= outline_index < len(holes):
-        raise ValueError(f"outline_index = {outline_index!r}: the scene has {len(holes)} outlines")
-    outline = holes[outline_index]
+    outlines = scene.part.outlines
+    if not 0 <= outline_index < len(outlines):
+        raise ValueError(f"outline_index = {outline_index!r}: the scene has {len(outlines)} outlines")
+    outline = outlines[outline_index]
     at = np.array([s % outline.length])
     return outline.points(at)[0], outline.normals(at)[0]

@@ -183,7 +183,7 @@ def _check_box(field: DisplacementField, body: shapely.Polygon, scene: Scene) ->
     nodes = np.unique(np.concatenate([nodes.ravel() for nodes in field.cells.values()]))
     box = np.concatenate([field.points[nodes].min(axis=0), field.points[nodes].max(axis=0)])
     wanted = np.array(body.bounds)
-    allowed = BOX * max(scene.plate.width, scene.plate.height)
+    allowed = BOX * scene.size
     if np.abs(box - wanted).max() <= allowed:
         return
     says = (
@@ -204,7 +204,7 @@ def _check_box(field: DisplacementField, body: shapely.Polygon, scene: Scene) ->
 
 
 def _check_area(field: DisplacementField, body: shapely.Polygon, scene: Scene) -> None:
-    notches = scene.plate.width * scene.plate.height - body.area
+    notches = scene.outer.area - body.area
     area = field.area()
     if abs(area - body.area) > AREA * body.area + NOTCH_AREA * notches:
         raise ValueError(
@@ -215,13 +215,13 @@ def _check_area(field: DisplacementField, body: shapely.Polygon, scene: Scene) -
 
 def _check_positions(given: GivenField, body: shapely.Polygon, scene: Scene, where: Positions) -> None:
     """Beside every position, the model must end where the scene's notch begins."""
-    plate = shapely.box(0.0, 0.0, scene.plate.width, scene.plate.height)
-    notches = plate.difference(body)
+    around = shapely.box(*scene.outer.bounds) if scene.plate is None else scene.outer
+    notches = around.difference(body)
     normals, size = np.zeros((len(where.s), 2)), np.zeros(len(where.s))
     for k, outline in enumerate(scene.outlines):
         on_k = where.hole == k
         normals[on_k] = outline.normals(where.s[on_k])
-        size[on_k] = np.sqrt(shapely.Polygon(outline.polygon(500)).intersection(plate).area)
+        size[on_k] = np.sqrt(shapely.Polygon(outline.polygon(500)).intersection(around).area)
     allowed = np.maximum(OFF_IN_EDGES * given.edge_length(where.points), OFF_IN_SIZES * size)
     deeper = where.points + allowed[:, None] * normals
     outside = where.points - allowed[:, None] * normals

@@ -43,7 +43,7 @@ class _Analysis(Protocol):
 
 class _Scene(Protocol):
     @property
-    def plate(self) -> _Plate: ...
+    def plate(self) -> _Plate | None: ...
     @property
     def outlines(self) -> tuple[_Outline, ...]: ...
     @property
@@ -116,9 +116,19 @@ RASTER_PIECES = 400**2
 
 def rasterised(scene: Any) -> Raster:
     """The material's share of pieces of a scene's plate."""
-    width, height = scene.plate.width, scene.plate.height
+    (left, bottom), (right, top) = scene.box.tolist()
+    width, height = right - left, top - bottom
     nx, ny = grid_size(width, height, RASTER_PIECES)
     hx, hy = width / nx, height / ny
+    if scene.plate is None:
+        rings = [
+            shapely.get_coordinates(ring) - (left, bottom) for ring in shapely.get_rings(scene.part.body)
+        ]
+        whole, *holes = ([ring] for ring in rings)
+        density = area_fraction(whole, width, height, nx, ny)
+        for hole in holes:
+            density -= area_fraction(hole, width, height, nx, ny)
+        return Raster(np.clip(density, 0.0, 1.0), hx, hy, (left, bottom))
     polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
     return Raster(1 - area_fraction(polygons, width, height, nx, ny), hx, hy)
 
@@ -147,6 +157,10 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
         raise ValueError(
             f"analysis.void_stiffness = {void!r}: must lie above 0 (1e-9 is safe) and not exceed 1"
         )
+    if scene.plate is None:
+        raise ValueError(
+            'analysis.local_model = "voxels": are for plates; take "boundary" or "body-fitted" for a part'
+        )
     width, height = scene.plate.width, scene.plate.height
     nx, ny = grid_size(width, height, voxels)
     hx, hy = width / nx, height / ny
@@ -154,7 +168,7 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
     density = 1 - area_fraction(polygons, width, height, nx, ny)
     E, nu = scene.material.plane_stress_equivalent
     loaded = None
-    if any(any(condition.traction) for condition in scene.loading):
+    if any(condition.is_loaded for condition in scene.loading):
         edges = material_on_edges([shapely.Polygon(polygon) for polygon in polygons], width, height)
         loaded = np.stack([share_of_pieces(stretches, width, nx) for stretches in (edges.bottom, edges.top)])
     solution = solve_voxels(

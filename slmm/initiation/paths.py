@@ -18,7 +18,7 @@ IN_IRWIN_LENGTHS = 0.7
 LONGER = 4.0
 #: and as a share of the ligament; chosen
 IN_LIGAMENT = 0.8
-#: a ligament's computed end is this near to the true outline, as a share of the plate's longer side; chosen
+#: a ligament's computed end is this near to the true outline, as a share of the part's longer side; chosen
 CLOSE = 1e-5
 #: steps from a surface into the body, as shares of the plate's width and height together; chosen
 OFFSETS = (1e-4, 1e-5, 1e-6)
@@ -65,29 +65,30 @@ def trial_paths(scene: Scene, where: Positions) -> Paths:
 def ligament_end(scene: Scene, paths: Paths, i: int) -> np.ndarray:
     """Point (2,) of a surface or crack where the path of a position leaves the material, mm."""
     end = paths.start[i] + paths.ligament[i] * paths.direction[i]
-    sides = np.array([scene.plate.width, scene.plate.height])
-    near = CLOSE * float(sides.max())
+    near = CLOSE * scene.size
     for outline in scene.outlines:
         on_outline = outline.points(outline.project(end[None]))[0]
         if np.linalg.norm(on_outline - end) < near:
             return on_outline
+    if scene.plate is None:
+        return end
     # exactly on the plate's edge, unless it is a crack
+    sides = scene.box[1]
     return np.where(np.abs(end) < near, 0.0, np.where(np.abs(end - sides) < near, sides, end))
 
 
 def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """Distances (n,) from surface points (n, 2) along directions (n, 2) to the next surface or crack, mm."""
-    plate = shapely.box(0, 0, scene.plate.width, scene.plate.height)
-    rings = [outline.polygon(2000) for outline in scene.outlines]
-    closed = [np.array(plate.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)]
+    rings = [outline.polygon(2000) for outline in scene.part.holes]
+    closed = [np.array(scene.outer.exterior.coords), *(np.vstack([ring, ring[:1]]) for ring in rings)]
     lines = Lines.of([*closed, *(crack.points for crack in scene.part.cracks)])
-    reach = scene.plate.width + scene.plate.height
+    reach = float(np.ptp(scene.box, axis=0).sum())
     result = np.full(len(points), OFFSETS[-1] * reach)
     todo = np.arange(len(points))
     # the outlines' polygons are a little off the points; a ligament may be thinner than the first step into the body
     for offset in OFFSETS:
         start = points[todo] + offset * reach * direction[todo]
-        inside = _in_the_body(start, plate, rings)
+        inside = _in_the_body(start, scene.outer, rings)
         found = todo[inside]
         # a ray through the plate's very corner may slip out between its edges
         way = np.minimum(distances_along(start[inside], direction[found], lines), reach)
@@ -96,9 +97,9 @@ def ligaments(scene: Scene, points: np.ndarray, direction: np.ndarray) -> np.nda
     return result
 
 
-def _in_the_body(points: np.ndarray, plate: shapely.Polygon, rings: Sequence[np.ndarray]) -> np.ndarray:
-    """Whether points (n, 2) lie in the plate and in none of its holes."""
-    inside = shapely.contains_xy(plate, points)
+def _in_the_body(points: np.ndarray, outer: shapely.Polygon, rings: Sequence[np.ndarray]) -> np.ndarray:
+    """Whether points (n, 2) lie in the part and in none of its holes."""
+    inside = shapely.contains_xy(outer, points)
     if rings:
         _, in_hole = shapely.STRtree(shapely.points(points)).query(
             [shapely.Polygon(ring) for ring in rings], predicate="intersects"

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from slmm.part.checks import TOLERANCE
 from slmm.part.outline import Outline
@@ -48,10 +49,11 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
 
     On every outline they are equally spaced. Each corner inside the plate whose opening angle is less than pi is one
     more, in order of arc length, and from eight positions on the middle of each bend of the hole that is so sharp that
-    it lies between two of them, as the root of a blunted V-notch. The tips of the cracks follow after all outlines.
+    it lies between two of them, as the root of a blunted V-notch. Where the surface is held, and where its corners jut
+    out, there are none. The tips of the cracks follow after all outlines.
 
     The scene's explicit points keep their order. Each one goes to the crack tip or corner that it is (within
-    1e-5 of the plate's longer side), and else to the nearest point of an outline.
+    1e-5 of the part's longer side), and else to the nearest point of an outline.
 
     Parameters
     ----------
@@ -75,7 +77,7 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
         raise ValueError(
             "holes: the scene has none, and no crack tips; a crack is looked for at a hole, notch or crack tip"
         )
-    tolerance = TOLERANCE * max(scene.plate.width, scene.plate.height)
+    tolerance = TOLERANCE * scene.size
     if positions is None and scene.analysis.points is not None:
         return _explicit(scene, np.asarray(scene.analysis.points, dtype=float), tolerance)
     count = scene.analysis.positions if positions is None else positions
@@ -84,7 +86,8 @@ def find_positions(scene: Scene, positions: int | None = None) -> Positions:
     s_of = []
     for outline in scene.outlines:
         s = _with_corners(scene, outline, _spread(scene, outline, count), tolerance)
-        s_of.append(s if count < FEW else _with_bends(scene, outline, s))
+        s = s if count < FEW else _with_bends(scene, outline, s)
+        s_of.append(s[_is_free(scene, outline, s)])
     tips = _tips(scene)
     hole = np.repeat(np.arange(len(s_of)), [len(s) for s in s_of])
     return positions_on(
@@ -153,6 +156,17 @@ def _with_corners(scene: Scene, outline: Outline, s: np.ndarray, tolerance: floa
     return np.sort(np.concatenate([s, np.setdiff1d(outline.corners[wanted], s)]))
 
 
+def _is_free(scene: Scene, outline: Outline, s: np.ndarray) -> np.ndarray:
+    """Whether cracks may start at arc lengths (n,): where nothing holds the surface, and no corner juts out."""
+    juts = np.append(outline.corner_angles, 0.0)[outline.corner_at(s)] >= np.pi
+    points = outline.points(s)
+    held = np.zeros(len(s), dtype=bool)
+    for condition in scene.loading:
+        if any(condition.is_held):
+            held |= condition.on(points)
+    return ~juts & ~held
+
+
 def _with_bends(scene: Scene, outline: Outline, s: np.ndarray) -> np.ndarray:
     """The arc lengths with the middles of bends that lie between two of them."""
     ends = np.append(s, s[0] + outline.length)
@@ -185,6 +199,11 @@ def _to_corners(outline: Outline, s: np.ndarray, tolerance: float) -> np.ndarray
 
 
 def is_within(scene: Scene, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
-    """Whether points (n, 2) lie within the plate, farther than a margin (mm) from its edges."""
+    """Whether points (n, 2) of outlines lie within the plate, farther than a margin (mm) from its edges.
+
+    In a part of another outline: whether they lie on its surface.
+    """
+    if scene.plate is None:
+        return np.asarray(shapely.dwithin(scene.part.body, shapely.points(points), 2 * scene.part.tolerance))
     (x, y), width, height = points.T, scene.plate.width, scene.plate.height
     return (x > margin) & (x < width - margin) & (y > margin) & (y < height - margin)

@@ -70,6 +70,7 @@ def edge_shares(
     front = scale * (CELL_LENGTH + curvature * scale)
     of_cell = 1 / front**2 + 2 / scale**2
     start, normal, tangent = outline.points(s), outline.normals(s), outline.tangents(s)
+    assert scene.plate is not None  # of other parts nothing is known
     bottom, right, *_ = plate_edges(scene.plate.width, scene.plate.height)
     # opposite edges are held alike
     edges = [_holds(scene.loading.at_edge(*edge)) for edge in (bottom, right)]
@@ -89,7 +90,7 @@ def _holds(condition: Condition) -> str:
         return "held"
     if any(condition.is_held):
         return "rolling"
-    return "loaded" if any(condition.traction) else "free"
+    return "loaded" if condition.is_loaded else "free"
 
 
 def _to_edge(

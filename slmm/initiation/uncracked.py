@@ -15,19 +15,22 @@ Array = NDArray[np.float64]
 
 
 class Raster(NamedTuple):
-    """The material's share of rectangular pieces of the plate.
+    """The material's share of rectangular pieces of the part's box.
 
     Attributes
     ----------
     density : (ny, nx) array
-        0 in a hole to 1; row 0 lies at y = 0.
+        0 in a hole to 1; row 0 is the lowest.
     hx, hy : float
         Sides of a piece, mm.
+    origin : (float, float)
+        Its lower left corner, mm.
     """
 
     density: Array
     hx: float
     hy: float
+    origin: tuple[float, float] = (0.0, 0.0)
 
 
 @runtime_checkable

@@ -138,8 +138,10 @@ def _clear_distance(
     ``beyond`` (n, 2) is the rest of its hole or crack, ``flanks`` (2, 2) the last straight of a crack.
     """
     rest = shapely.LineString(beyond) if len(beyond) > 1 else shapely.Point(beyond[0])
+    edges = () if scene.part.rim is not None else (shapely.LinearRing(scene.part.outer),)
     obstacles = chain(
-        (shapely.LinearRing(scene.part.outer), rest),
+        edges,
+        (rest,),
         (shapely.LinearRing(other.polygon(2000)) for k, other in enumerate(scene.outlines) if k != hole),
         (shapely.LineString(line) for line in _other_cracks(scene.part, flanks)),
     )

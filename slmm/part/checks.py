@@ -1,4 +1,4 @@
-"""What is wrong with the geometry of a plate, its holes and its cracks."""
+"""What is wrong with the geometry of a part, its holes and its cracks."""
 
 from __future__ import annotations
 
@@ -22,19 +22,17 @@ ALONG = 200
 
 
 def overlaps_united(
-    named: Sequence[tuple[str, Outline]], width: float, height: float
+    named: Sequence[tuple[str, Outline]], outer: Polygon
 ) -> tuple[list[tuple[str, Outline]], list[str]]:
-    """Named outlines, those that overlap in the plate as one, and what is wrong with their unions."""
+    """Named outlines, those that overlap in the part as one, and what is wrong with their unions."""
     polygons = [_polygon(outline) for _, outline in named]
     if len(named) < 2 or not all(polygon.is_valid for polygon in polygons):
         return list(named), []  # `hole_problems` says so
-    return united(named, polygons, box(0.0, 0.0, width, height), TOLERANCE * max(width, height))
+    return united(named, polygons, outer, _tolerance(outer))
 
 
-def hole_problems(
-    outlines: Sequence[Outline], names: Sequence[str], width: float, height: float
-) -> list[str]:
-    """Problems of the holes with the plate and with each other, each one a sentence that starts with a name.
+def hole_problems(outlines: Sequence[Outline], names: Sequence[str], outer: Polygon) -> list[str]:
+    """Problems of the holes with the part and with each other, each one a sentence that starts with a name.
 
     Parameters
     ----------
@@ -42,12 +40,11 @@ def hole_problems(
         Outlines of the holes and edge notches.
     names : sequence of str
         What to call them, eg. "holes[0]".
-    width, height : float
-        Size of the plate, mm; its lower left corner is (0, 0).
+    outer : shapely.Polygon
+        The part without its holes.
     """
-    plate = box(0.0, 0.0, width, height)
-    tolerance = TOLERANCE * max(width, height)
-    inside, around_plate = plate.buffer(-tolerance), plate.buffer(2 * tolerance)
+    tolerance, what = _tolerance(outer), _what(outer)
+    inside, around = outer.buffer(-tolerance), outer.buffer(2 * tolerance)
     holes = [_polygon(outline) for outline in outlines]
     problems = [
         f"{name}: the outline crosses or touches itself: {explain_validity(hole)}"
@@ -57,30 +54,30 @@ def hole_problems(
     if problems:
         return problems  # the operations below need valid polygons
 
-    # what holes do beyond the plate is of no importance
-    near_plate = [hole.intersection(around_plate) for hole in holes]
-    for name, hole, near in zip(names, holes, near_plate, strict=True):
+    # what holes do beyond the part is of no importance
+    nearby = [hole.intersection(around) for hole in holes]
+    for name, hole, near in zip(names, holes, nearby, strict=True):
         left, bottom, right, top = hole.bounds
         extent = f"it spans x = {left:.6g} to {right:.6g}, y = {bottom:.6g} to {top:.6g}"
         mean_width = 2 * hole.area / hole.length
         if max(right - left, top - bottom) <= tolerance or mean_width <= tolerance:
-            problems.append(f"{name}: is too small for the plate; {extent}")
-        elif hole.covers(plate):
-            problems.append(f"{name}: covers the whole plate; {extent}")
+            problems.append(f"{name}: is too small for the {what}; {extent}")
+        elif hole.covers(outer):
+            problems.append(f"{name}: covers the whole {what}; {extent}")
         elif not hole.intersects(inside):
-            problems.append(f"{name}: lies outside the plate (0 to {width:g}, 0 to {height:g}); {extent}")
-        elif _touches_an_edge(near, width, height, tolerance):
+            problems.append(f"{name}: lies outside the {what} {_shown(outer)}; {extent}")
+        elif _touches_an_edge(near, outer, tolerance):
             problems.append(
-                f"{name}: just touches the plate's edge, so no material is left there; {extent}."
+                f"{name}: just touches the {what}'s edge, so no material is left there; {extent}."
                 " Move it away from the edge, or let a notch go on beyond it"
             )
-    reaching = [(name, near) for name, near in zip(names, near_plate, strict=True) if not near.is_empty]
+    reaching = [(name, near) for name, near in zip(names, nearby, strict=True) if not near.is_empty]
     boxes = box(*np.array([near.bounds for _, near in reaching]).reshape(-1, 4).T)
     tree = STRtree(boxes)
     for i, (name, first) in enumerate(reaching):
         left, bottom, right, top = first.bounds
-        around = box(left - tolerance, bottom - tolerance, right + tolerance, top + tolerance)
-        for k in sorted(tree.query(around)):
+        beside = box(left - tolerance, bottom - tolerance, right + tolerance, top + tolerance)
+        for k in sorted(tree.query(beside)):
             if k <= i:
                 continue
             other, second = reaching[k]
@@ -96,26 +93,23 @@ def hole_problems(
     if problems:
         return problems
 
-    rest = plate.difference(unary_union(holes))
+    rest = outer.difference(unary_union(holes))
     if isinstance(rest, MultiPolygon):
         places = " and ".join(
             "({:.4g}, {:.4g})".format(*piece.representative_point().coords[0]) for piece in rest.geoms
         )
-        problems.append(f"holes: cut the plate into {len(rest.geoms)} pieces, one at each of {places}")
+        problems.append(f"holes: cut the {what} into {len(rest.geoms)} pieces, one at each of {places}")
     return problems
 
 
-def crack_problems(
-    cracks: Sequence[Array], outlines: Sequence[Outline], width: float, height: float
-) -> list[str]:
-    """Problems of the cracks, each (n, 2) points in mm, in a plate whose holes are fine.
+def crack_problems(cracks: Sequence[Array], outlines: Sequence[Outline], outer: Polygon) -> list[str]:
+    """Problems of the cracks, each (n, 2) points in mm, in a part whose holes are fine.
 
     Each end may lie in the material, then it is a tip, on a surface or in a hole, or on another crack.
     """
-    plate = box(0.0, 0.0, width, height)
-    tolerance = TOLERANCE * max(width, height)
+    tolerance = _tolerance(outer)
     holes = unary_union([_polygon(outline) for outline in outlines])
-    material = plate.difference(holes)
+    material = outer.difference(holes)
     problems: list[str] = []
     lines: list[tuple[int, LineString]] = []
     for i, points in enumerate(cracks):
@@ -128,8 +122,8 @@ def crack_problems(
         line = LineString(points)
         if not line.is_simple or line.is_ring:
             problems.append(f"{name}: crosses or touches itself")
-        elif not plate.buffer(tolerance).covers(line):
-            problems.append(f"{name}: leaves the plate (0 to {width:g}, 0 to {height:g})")
+        elif not outer.buffer(tolerance).covers(line):
+            problems.append(f"{name}: leaves the {_what(outer)} {_shown(outer)}")
         elif not any(part.length > tolerance for part in get_parts(line.intersection(material))):
             problems.append(f"{name}: does not run through the material")
         elif _runs_along_an_edge_or_through_a_hole(line, material, tolerance):
@@ -147,9 +141,31 @@ def crack_problems(
     return problems
 
 
-def _touches_an_edge(hole: Geometry, width: float, height: float, tolerance: float) -> bool:
-    """Whether what lies of a hole in and just around the plate ends at the plate's edge, not inside or beyond."""
-    left, bottom, right, top = hole.bounds
+def _tolerance(outer: Polygon) -> float:
+    left, bottom, right, top = outer.bounds
+    return TOLERANCE * max(right - left, top - bottom)
+
+
+def _is_plate(outer: Polygon) -> bool:
+    return len(outer.exterior.coords) == 5 and outer.bounds[:2] == (0.0, 0.0)
+
+
+def _what(outer: Polygon) -> str:
+    return "plate" if _is_plate(outer) else "part"
+
+
+def _shown(outer: Polygon) -> str:
+    left, bottom, right, top = outer.bounds
+    return f"({left:g} to {right:g}, {bottom:g} to {top:g})"
+
+
+def _touches_an_edge(near: Geometry, outer: Polygon, tolerance: float) -> bool:
+    """Whether what lies of a hole in and just around the part ends at its edge, not inside or beyond."""
+    if not _is_plate(outer):
+        beyond = near.difference(outer.buffer(tolerance))
+        return bool(near.distance(outer.exterior) <= tolerance and beyond.is_empty)
+    left, bottom, right, top = near.bounds
+    _, _, width, height = outer.bounds
     return bool(min(abs(left), abs(bottom), abs(right - width), abs(top - height)) <= tolerance)
 
 
@@ -164,13 +180,14 @@ def _runs_along_an_edge_or_through_a_hole(line: LineString, material: Polygon, t
     return bool(beside.length > ALONG * max(ends, 1) * tolerance)
 
 
-def position_problems(points: Array, width: float, height: float) -> list[str]:
-    """Which of the positions (n, 2), mm, lie too far from the plate to be meant as points of a notch."""
-    beyond = np.maximum(np.maximum(-points, points - (width, height)), 0.0)
-    far = np.flatnonzero(np.hypot(*beyond.T) > 0.05 * max(width, height))
+def position_problems(points: Array, outer: Polygon) -> list[str]:
+    """Which of the positions (n, 2), mm, lie too far from the part to be meant as points of a notch."""
+    left, bottom, right, top = outer.bounds
+    beyond = np.maximum(np.maximum((left, bottom) - points, points - (right, top)), 0.0)
+    far = np.flatnonzero(np.hypot(*beyond.T) > 0.05 * max(right - left, top - bottom))
     return [
-        f"analysis.points[{k}] = [{points[k, 0]:g}, {points[k, 1]:g}]: must lie in or near the plate"
-        f" (0 to {width:g}, 0 to {height:g})"
+        f"analysis.points[{k}] = [{points[k, 0]:g}, {points[k, 1]:g}]: must lie in or near the {_what(outer)}"
+        f" {_shown(outer)}"
         for k in far
     ]
 

@@ -26,7 +26,7 @@ class End(NamedTuple):
     kind : str
         "tip" in the material, "surface", or "crack": on another one.
     number : int
-        The hole whose surface it is, -1 for the outer edge; or the other crack.
+        The outline whose surface it is, -1 for a straight outer edge; or the other crack.
     """
 
     kind: Literal["tip", "surface", "crack"]

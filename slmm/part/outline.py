@@ -38,7 +38,7 @@ NEIGHBOURS = 8
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """Closed outline of a hole, counter-clockwise, parametrised by its arc length s.
+    """Closed outline of a hole, counter-clockwise, or of a part, clockwise, parametrised by its arc length s.
 
     It is smooth (`through`), or made of smooth pieces that may meet at corners (`of_pieces`).
 
@@ -160,6 +160,28 @@ class Outline:
     def with_accuracy(self, accuracy: Accuracy) -> Outline:
         """The same outline, with what is open about it."""
         return replace(self, accuracy=accuracy)
+
+    def reversed(self) -> Outline:
+        """The same curve the other way round, from the same point: the outside of a part as if it were a hole.
+
+        Examples
+        --------
+        >>> square = Outline.of_pieces([[(0, 0), (1, 0)], [(1, 0), (1, 1)], [(1, 1), (0, 1)], [(0, 1), (0, 0)]])
+        >>> square.reversed().normals([0.5]).tolist(), np.degrees(square.reversed().corner_angles).round(6).tolist()
+        ([[1.0, 0.0]], [270.0, 270.0, 270.0, 270.0])
+        """
+        a, b, c, d = self.coefficients
+        h = np.diff(self.breaks)[:, None]
+        backwards = np.array(
+            [-a, 3 * a * h + b, -((3 * a * h + 2 * b) * h + c), ((a * h + b) * h + c) * h + d]
+        )
+        corners = np.sort((self.length - self.corners) % self.length)
+        return replace(
+            self,
+            breaks=read_only(self.length - self.breaks[::-1]),
+            coefficients=read_only(backwards[:, ::-1]),
+            corners=read_only(corners),
+        )
 
     @cached_property
     def _curve(self) -> PPoly:

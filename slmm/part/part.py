@@ -28,12 +28,14 @@ class Part:
     Parameters
     ----------
     outer : ndarray, shape (n, 2)
-        Corners of the outer edge, counter-clockwise, mm; straight between them.
+        Corners of the outer edge, counter-clockwise, mm; straight between them, or chords of the ``rim``.
     holes : tuple of Outline
         Holes, and notches that cut the outer edge.
     cracks : tuple of Crack
     thickness : float
         mm.
+    rim : Outline, optional
+        The outer edge as a curve, clockwise: with the material on its right, as that of a hole.
 
     Examples
     --------
@@ -48,6 +50,30 @@ class Part:
     holes: tuple[Outline, ...] = ()
     cracks: tuple[Crack, ...] = ()
     thickness: float = 1.0
+    rim: Outline | None = None
+
+    @classmethod
+    def within(
+        cls,
+        outline: Outline,
+        holes: Sequence[Outline] = (),
+        cracks: Sequence[ArrayLike] = (),
+        thickness: float = 1.0,
+    ) -> Part:
+        """A part of any outer outline, which runs counter-clockwise around it.
+
+        The other parameters and what is raised are those of `plate`.
+
+        Examples
+        --------
+        >>> from slmm.part.shapes import circle
+        >>> disk = Part.within(Outline.through(circle((0, 0), 40.0)), cracks=[[(-20, 0), (20, 0)]])
+        >>> round(disk.body.area / (np.pi * 40**2), 5), len(disk.tips)
+        (1.0, 2)
+        """
+        rim = outline.reversed()
+        whole = cls(rim.polygon(OUTLINE_SAMPLES)[::-1], tuple(holes), (), thickness, rim)
+        return whole.with_cracks(cracks) if len(cracks) else whole
 
     @classmethod
     def plate(
@@ -77,6 +103,11 @@ class Part:
         corners = np.array([(width, 0.0), (width, height), (0.0, height), (0.0, 0.0)])
         whole = cls(corners, tuple(holes), (), thickness)
         return whole.with_cracks(cracks) if len(cracks) else whole
+
+    @cached_property
+    def outlines(self) -> tuple[Outline, ...]:
+        """All curved outlines, with the material on their right: the holes', and the rim's as the last one."""
+        return self.holes if self.rim is None else (*self.holes, self.rim)
 
     @property
     def box(self) -> Array:
@@ -143,7 +174,7 @@ class Part:
 
     def end_at(self, point: Array) -> End:
         """What a crack would end at whose last point (2,) this is."""
-        end, _ = surface_at(point, shapely.LinearRing(self.outer), self.holes, self.tolerance)
+        end, _ = surface_at(point, shapely.LinearRing(self.outer), self.outlines, self.tolerance)
         if end != TIP:
             return end
         tree = shapely.STRtree([shapely.LineString(crack.points) for crack in self.cracks])
@@ -191,4 +222,4 @@ class Part:
         """The part with more cracks, see `with_crack`."""
         lines = [crack.points for crack in self.cracks] + [np.asarray(line, dtype=float) for line in more]
         outer = shapely.LinearRing(self.outer)
-        return replace(self, cracks=located(lines, self.body, outer, self.holes, self.tolerance))
+        return replace(self, cracks=located(lines, self.body, outer, self.outlines, self.tolerance))

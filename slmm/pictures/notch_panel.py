@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from slmm.initiation.summary import by_criticality
 from slmm.pictures.position_marks import SMOOTH, joined, kinds_of_positions, tip_at
 from slmm.pictures.stress_field import StressField, View, stress_in_view
 from slmm.pictures.style import CRITICAL, STRESS_COLOURS
+from slmm.pictures.supports import draw_supports, room_for_supports
 from slmm.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -36,9 +37,8 @@ def draw_notch(
         bars[1].set_axis_off()
     else:
         _draw_stress(axes, bars[1], stress_in_view(scene, view, displacements), scene, view)
-    width, height = scene.plate.width, scene.plate.height
-    axes.add_patch(Rectangle((0, 0), width, height, fill=False, ec="0.35", lw=1.0, zorder=1.5))
-    for outline in scene.outlines:
+    axes.add_patch(Polygon(scene.part.outer, fill=False, ec="0.35", lw=1.0, zorder=1.5))
+    for outline in scene.part.holes:
         axes.add_patch(Polygon(outline.polygon(720), fc="white", ec="none", zorder=2))
         rim = axes.add_patch(Polygon(outline.polygon(720), fill=False, ec="0.35", lw=1.0, zorder=3))
         _clip_to_plate(rim, axes, scene)
@@ -46,6 +46,8 @@ def draw_notch(
         label = "initial crack" if k == 0 else None
         axes.plot(*crack.points.T, color="black", lw=1.8, zorder=3.5, label=label)
 
+    if scene.load is None:
+        draw_supports(axes, scene)
     FI, hole, s = (result[name].values for name in ("failure_index", "hole", "arc_length"))
     found = np.isfinite(FI)
     scale = Normalize(0.0, float(FI[found].max(initial=0.0)) or 1.0)
@@ -165,8 +167,12 @@ def _enlargement(wanted: float) -> float:
 
 
 def _view(scene: Scene) -> View:
-    """The notches and cracks with a margin, not beyond the plate: x0, x1, y0, y1."""
-    plate = np.array([scene.plate.width, scene.plate.height])
+    """The notches and cracks with a margin, not beyond the part: x0, x1, y0, y1; or all that is held and loaded."""
+    lower, upper = scene.box
+    if scene.load is None:
+        room = room_for_supports(scene)
+        (x0, y0), (x1, y1) = lower - room, upper + room
+        return float(x0), float(x1), float(y0), float(y1)
     points = np.concatenate(
         [
             *(outline.polygon(720) for outline in scene.outlines),
@@ -174,15 +180,15 @@ def _view(scene: Scene) -> View:
         ]
     )
     # a notch that cuts the plate's edge goes on beyond it
-    points = points[((points >= 0) & (points <= plate)).all(axis=1)]
+    points = points[((points >= lower) & (points <= upper)).all(axis=1)]
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.6 * float((high - low).max())
-    rim = 0.02 * float(plate.max())
-    x0, y0 = np.maximum(low - margin, -rim)
-    x1, y1 = np.minimum(high + margin, plate + rim)
+    rim = 0.02 * scene.size
+    x0, y0 = np.maximum(low - margin, lower - rim)
+    x1, y1 = np.minimum(high + margin, upper + rim)
     return float(x0), float(x1), float(y0), float(y1)
 
 
 def _clip_to_plate(artist: Any, axes: Axes, scene: Scene) -> None:
-    """A notch may cut the plate's edge; what of its outline lies outside is no surface."""
-    artist.set_clip_path(Rectangle((0, 0), scene.plate.width, scene.plate.height, transform=axes.transData))
+    """A notch may cut the part's edge; what of its outline lies outside is no surface."""
+    artist.set_clip_path(Polygon(scene.part.outer, transform=axes.transData))

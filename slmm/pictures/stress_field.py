@@ -63,7 +63,7 @@ def stress_in_view(scene: Scene, view: View, displacements: Any = None) -> Stres
         except ImportError:
             pass  # the caller is told by ``cracked``
     x0, x1, y0, y1 = view
-    width, height = scene.plate.width, scene.plate.height
+    width, height = (scene.box[1] - scene.box[0]).tolist()
     fineness = ACROSS / max(x1 - x0, y1 - y0)
     voxels = int(np.clip(width * height * fineness**2, FEWEST_VOXELS, MOST_VOXELS))
     return StressField(principal_stress_field(scene, voxels), (0.0, width, 0.0, height), not scene.cracks)
@@ -119,9 +119,10 @@ def _of_displacements(scene: Scene, view: View, displacements: Any) -> StressFie
 
 
 def _grid(scene: Scene, view: View) -> tuple[View, tuple[int, int]]:
-    """What of the view lies in the plate, and the number of square cells across it."""
-    x0, x1 = max(view[0], 0.0), min(view[1], scene.plate.width)
-    y0, y1 = max(view[2], 0.0), min(view[3], scene.plate.height)
+    """What of the view lies in the part's box, and the number of square cells across it."""
+    (left, bottom), (right, top) = scene.box.tolist()
+    x0, x1 = max(view[0], left), min(view[1], right)
+    y0, y1 = max(view[2], bottom), min(view[3], top)
     step = max(x1 - x0, y1 - y0) / ACROSS
     return (x0, x1, y0, y1), (max(round((x1 - x0) / step), 1), max(round((y1 - y0) / step), 1))
 

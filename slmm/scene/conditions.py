@@ -1,4 +1,4 @@
-"""The general form of a load, `[[boundary]]`: what holds, moves or pulls stretches of a plate's outer edge."""
+"""The general form of a load, `[[boundary]]`: what holds, moves or pulls stretches of a part's surface."""
 
 from __future__ import annotations
 
@@ -7,28 +7,34 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 import shapely
-from pydantic import Field, model_validator
+from numpy.typing import NDArray
+from pydantic import Field, field_validator, model_validator
 
 from slmm.mechanics.rigid import free_motions
 from slmm.part.part import Part
+from slmm.part.span import Span
 from slmm.scene.load_checks import LEAST, UNBALANCED
-from slmm.scene.loading import Affine, Condition, Loading, Point, plate_edges
+from slmm.scene.loading import Affine, Condition, Loading, Point
+from slmm.scene.places import EDGES, HOLE, located
 from slmm.scene.values import Length, Number, PlanePoint, Table, exactly_one
 
-EDGES = ("bottom", "right", "top", "left")
+Array = NDArray[np.float64]
 Component = Number | Literal["free"]
+
+#: share of a pin's force that may point aside: its hole is then no circle, nor alike on both sides; chosen
+ASIDE = 1e-3
 
 
 class Boundary(Table):
     """One condition: where, and exactly one of what.
 
-    ``on`` names an edge, or all of them as "outer"; ``from`` and ``to`` are ends of a stretch, counter-clockwise;
-    ``at`` and ``width`` a short stretch about a point. ``displacement`` (mm) holds or moves each direction that is not
-    "free"; ``traction`` (MPa), ``pressure`` (MPa, onto the surface) and ``force`` (N, spread evenly over the material)
-    load it.
+    ``on`` names an edge of a plate, all of an outer edge ("outer") or a hole ("hole 0"); ``from`` and ``to`` are ends
+    of a stretch, counter-clockwise; ``at`` and ``width`` a short stretch about a point. ``displacement`` (mm) holds or
+    moves each direction that is not "free"; ``traction`` (MPa), ``pressure`` (MPa, onto the surface), ``force`` (N,
+    spread evenly over the material) and ``pin`` (N, as a pin in a hole pushes) load it.
     """
 
-    on: Literal["bottom", "right", "top", "left", "outer"] | None = None
+    on: str | None = None
     start: Annotated[PlanePoint | None, Field(alias="from")] = None
     end: Annotated[PlanePoint | None, Field(alias="to")] = None
     at: PlanePoint | None = None
@@ -37,6 +43,14 @@ class Boundary(Table):
     traction: tuple[Number, Number] | None = None
     pressure: Number | None = None
     force: tuple[Number, Number] | None = None
+    pin: tuple[Number, Number] | None = None
+
+    @field_validator("on")
+    @classmethod
+    def _is_a_name(cls, on: str | None) -> str | None:
+        if on is not None and on not in (*EDGES, "outer") and not HOLE.fullmatch(on):
+            raise ValueError(f'must be one of {", ".join(EDGES)}, outer, or "hole" and its number')
+        return on
 
     @model_validator(mode="after")
     def _one_place_and_one_quantity(self) -> Self:
@@ -49,130 +63,135 @@ class Boundary(Table):
             raise ValueError("from and to belong together; give both ends of the stretch")
         if (self.at is None) != (self.width is None):
             raise ValueError("at and width belong together; give both")
-        exactly_one(self, ("displacement", "traction", "pressure", "force"))
+        exactly_one(self, ("displacement", "traction", "pressure", "force", "pin"))
         if self.displacement == ("free", "free"):
             raise ValueError('displacement = ["free", "free"]: holds nothing; leave the condition out')
         return self
 
-    def stretches(self, width: float, height: float) -> list[tuple[Point, Point]]:
-        """Its straight stretches on a plate's edge, counter-clockwise, mm.
-
-        Raises
-        ------
-        ValueError
-            When a point is not on the edge.
-        """
-        edges = plate_edges(width, height)
-        if self.on is not None:
-            return list(edges) if self.on == "outer" else [edges[EDGES.index(self.on)]]
-        if self.at is not None:
-            assert self.width is not None
-            k, along = _place(self.at, width, height, "at")
-            length = (width, height)[k % 2]
-            low, high = along - self.width / 2, along + self.width / 2
-            if low < -1e-9 * length or high > length * (1 + 1e-9):
-                raise ValueError(f"width = {self.width:g}: the stretch goes beyond the {EDGES[k]} edge")
-            return [(_point(k, max(low, 0.0), width, height), _point(k, min(high, length), width, height))]
-        assert self.start is not None and self.end is not None
-        (first, low), (last, high) = (
-            _place(point, width, height, key) for point, key in ((self.start, "from"), (self.end, "to"))
-        )
-        if self.start == self.end:
-            raise ValueError("from and to are the same point; a stretch has a length")
-        lengths = (width, height, width, height)
-        if first == last and high > low:
-            return [(_point(first, low, width, height), _point(first, high, width, height))]
-        found = [(first, low, lengths[first])]
-        k = (first + 1) % 4
-        while k != last:
-            found.append((k, 0.0, lengths[k]))
-            k = (k + 1) % 4
-        found.append((last, 0.0, high))
-        return [
-            (_point(k, a, width, height), _point(k, b, width, height))
-            for k, a, b in found
-            if b - a > 1e-9 * lengths[k]
-        ]
-
-
-def _place(point: Point, width: float, height: float, key: str) -> tuple[int, float]:
-    """The edge that a point lies on, and how far along it, counter-clockwise, mm."""
-    x, y = point
-    near = 1e-6 * max(width, height)
-    along = (x, y, width - x, height - y)
-    across = (y, width - x, height - y, x)
-    lengths = (width, height, width, height)
-    for k in range(4):
-        if abs(across[k]) <= near and -near <= along[k] < lengths[k] - near:
-            return k, max(along[k], 0.0)
-    raise ValueError(
-        f"{key} = [{x:g}, {y:g}]: must lie on the plate's edge (0 to {width:g}, 0 to {height:g})"
-    )
-
-
-def _point(k: int, along: float, width: float, height: float) -> Point:
-    """A point of an edge."""
-    return ((along, 0.0), (width, along), (width - along, height), (0.0, height - along))[k]
-
 
 class _Placed(NamedTuple):
-    """A condition with what of its stretch is material."""
+    """A condition, and what of its stretch is material: as a line if it is straight, and for integrals along it.
+
+    Attributes
+    ----------
+    points, weights : ndarray (n, 2), (n,)
+        mm.
+    """
 
     key: str
     condition: Condition
-    material: shapely.Geometry
+    line: shapely.Geometry | None
+    points: Array
+    weights: Array
+
+    @property
+    def tractions(self) -> Array:
+        """MPa, at the points (n, 2)."""
+        return self.condition.tractions(self.condition.outward(self.points))
 
     @property
     def acts(self) -> tuple[bool, bool]:
         """In which directions."""
-        (x, y), (t_x, t_y) = self.condition.is_held, self.condition.traction
+        x, y = self.condition.is_held
+        t_x, t_y = np.abs(self.tractions).max(axis=0, initial=0.0) > 0
         return x or bool(t_x), y or bool(t_y)
 
 
 def general_loading(tables: tuple[Boundary, ...], part: Part) -> tuple[Loading, list[str]]:
-    """Conditions on a plate, and what is wrong with them, each a sentence that starts with its key."""
-    (_, _), (width, height) = part.box
+    """Conditions on a part, and what is wrong with them, each a sentence that starts with its key."""
     placed: list[_Placed] = []
     problems: list[str] = []
     for i, table in enumerate(tables):
         key = f"boundary[{i}]"
         try:
-            stretches = table.stretches(float(width), float(height))
+            stretches = located(table, part)
+            within = [_material(stretch, part) for stretch in stretches]
+            material = sum(float(weights.sum()) for *_, weights, _ in within)
+            if material < LEAST * sum(length for *_, length in within):
+                problems.append(f"{key}: no material there, between the notches; it holds and loads nothing")
+                continue
+            placed += [
+                _Placed(
+                    key, _condition(table, stretch, points, weights, material, part), line, points, weights
+                )
+                for stretch, (line, points, weights, _) in zip(stretches, within, strict=True)
+                if weights.sum() > 0
+            ]
         except ValueError as error:
             problems.append(f"{key}.{error}")
-            continue
-        edge = part.body.exterior
-        material = [shapely.LineString(stretch).intersection(edge) for stretch in stretches]
-        total = sum(piece.length for piece in material)
-        if total < LEAST * sum(shapely.LineString(stretch).length for stretch in stretches):
-            problems.append(f"{key}: no material there, between the notches; it holds and loads nothing")
-            continue
-        placed += [
-            _Placed(key, _condition(table, stretch, total * part.thickness), piece)
-            for stretch, piece in zip(stretches, material, strict=True)
-            if piece.length > 0
-        ]
     if not problems:
         problems = [*_overlaps(placed, part.tolerance), *_balance(placed)]
     return Loading(tuple(p.condition for p in placed)), problems
 
 
-def _condition(table: Boundary, stretch: tuple[Point, Point], area: float) -> Condition:
-    """A condition on one stretch of all that the table names, whose material has an area, mm^2."""
-    (x0, y0), (x1, y1) = stretch
+def _material(
+    stretch: tuple[Point, Point] | Span, part: Part
+) -> tuple[shapely.Geometry | None, Array, Array, float]:
+    """What of a stretch is material: as a line if it is straight, points (n, 2), weights (n,), and the whole length."""
+    if isinstance(stretch, Span):
+        points, _, weights = stretch.rule
+        near = shapely.dwithin(part.body, shapely.points(points), 10 * part.tolerance)
+        return None, points[near], weights[near], stretch.length
+    whole = shapely.LineString(stretch)
+    line = whole.intersection(part.body.exterior)
+    pieces = [
+        piece for piece in shapely.get_parts(line) if piece.geom_type == "LineString" and piece.length > 0
+    ]
+    ends = np.array([piece.coords[k] for piece in pieces for k in (0, -1)]).reshape(-1, 2)
+    return line, ends, np.repeat([0.5 * piece.length for piece in pieces], 2), whole.length
+
+
+def _condition(
+    table: Boundary,
+    stretch: tuple[Point, Point] | Span,
+    points: Array,
+    weights: Array,
+    material: float,
+    part: Part,
+) -> Condition:
+    """A condition on one stretch of all that the table names, of which so many mm are material."""
+    if isinstance(stretch, Span):
+        x, y = stretch.points(np.array([0.0, 1.0])).tolist()
+        empty = Condition((x[0], x[1]), (y[0], y[1]), span=stretch)
+    else:
+        empty = Condition(*stretch)
+    start, end, span = empty.start, empty.end, empty.span
     if table.displacement is not None:
         u_x, u_y = (None if u == "free" else Affine(float(u)) for u in table.displacement)
-        return Condition(*stretch, (u_x, u_y))
+        return Condition(start, end, (u_x, u_y), span=span)
     if table.traction is not None:
-        return Condition(*stretch, traction=table.traction)
+        return Condition(start, end, traction=table.traction, span=span)
+    if table.force is not None:
+        area = material * part.thickness
+        return Condition(start, end, traction=(table.force[0] / area, table.force[1] / area), span=span)
     if table.pressure is not None:
-        length = float(np.hypot(x1 - x0, y1 - y0))
+        if span is not None:
+            return Condition(start, end, pressure=table.pressure, span=span)
         # onto the surface: against the outward normal
-        return Condition(
-            *stretch, traction=(-table.pressure * (y1 - y0) / length, table.pressure * (x1 - x0) / length)
+        n_x, n_y = empty.outward(np.zeros((1, 2)))[0].tolist()
+        return Condition(start, end, traction=(-table.pressure * n_x, -table.pressure * n_y))
+    assert table.pin is not None
+    if span is None:
+        raise ValueError("pin: pushes in a hole; give the hole, or a force")
+    return _pinned(Condition(start, end, span=span), table.pin, points, weights, part.thickness)
+
+
+def _pinned(at: Condition, force: Point, points: Array, weights: Array, thickness: float) -> Condition:
+    """A condition with the pressure of a pin, whose resultant is a force, N."""
+    size = float(np.hypot(*force))
+    if not size > 0:
+        raise ValueError("pin = [0, 0]: pushes with nothing")
+    along = np.array(force) / size
+    outward = at.outward(points)
+    share = np.maximum(-outward @ along, 0.0)
+    resultant = -(weights * share) @ outward
+    if abs(resultant[0] * along[1] - resultant[1] * along[0]) > ASIDE * np.hypot(*resultant):
+        raise ValueError(
+            f"pin = [{force[0]:g}, {force[1]:g}]: the hole is not alike on both sides of that direction, a pin would "
+            "push aside; give a traction"
         )
-    assert table.force is not None
-    return Condition(*stretch, traction=(table.force[0] / area, table.force[1] / area))
+    x, y = (size * along / (thickness * float(resultant @ along))).tolist()
+    return Condition(at.start, at.end, bearing=(x, y), span=at.span)
 
 
 def _overlaps(placed: list[_Placed], near: float) -> list[str]:
@@ -180,29 +199,30 @@ def _overlaps(placed: list[_Placed], near: float) -> list[str]:
     found = []
     for one, other in combinations(placed, 2):
         both = any(a and b for a, b in zip(one.acts, other.acts, strict=True))
-        if both and one.material.intersection(other.material).length > near:
+        if both and _meet(one, other, near):
             found.append(f"{one.key} and {other.key}: overlap, and act in the same direction there")
     return list(dict.fromkeys(found))
+
+
+def _meet(one: _Placed, other: _Placed, near: float) -> bool:
+    """Whether two conditions act along the same stretch."""
+    a, b = one.condition.span, other.condition.span
+    if a is not None and b is not None:
+        return a.outline is b.outline and a.overlap(b) > near
+    if one.line is None or other.line is None:
+        return False
+    return bool(one.line.intersection(other.line).length > near)
 
 
 def _balance(placed: list[_Placed]) -> list[str]:
     """Nothing that loads, or motions that are free and loads that do not balance."""
     moved = [c for p in placed for c in p.condition.displacement if c is not None and any(c)]
-    if not moved and not any(any(p.condition.traction) for p in placed):
+    if not moved and not any(p.condition.is_loaded for p in placed):
         return ["boundary: moves and loads nothing; without a load there is no failure to predict"]
-    pieces = [
-        (piece, p.condition)
-        for p in placed
-        for piece in shapely.get_parts(p.material)
-        if piece.geom_type == "LineString"
-    ]
-    ends = np.array([piece.coords[k] for piece, _ in pieces for k in (0, -1)])
-    held = np.array([condition.is_held for _, condition in pieces for _ in (0, 1)])
-    motions = free_motions(ends, held)
-    free = motions.reshape(len(pieces), 2, 2, motions.shape[1])
-    # a uniform traction works on the mean motion of its stretch, which is that of its ends
-    force = np.array([np.array(condition.traction) * piece.length for piece, condition in pieces])
-    work = np.einsum("pi,peik->k", force, free) / 2
+    points = np.concatenate([p.points for p in placed])
+    held = np.concatenate([np.tile(p.condition.is_held, (len(p.points), 1)) for p in placed])
+    force = np.concatenate([p.weights[:, None] * p.tractions for p in placed])
+    work = free_motions(points, held).T @ force.ravel()
     if np.abs(work).max(initial=0.0) <= UNBALANCED * np.abs(force).sum():
         return []
     x, y = force.sum(axis=0)

@@ -102,6 +102,8 @@ def _sentence(item: ErrorDetails, known_keys: Mapping[tuple[str, ...], Sequence[
     tables = tuple(str(part) for part in loc if isinstance(part, str))
     if loc and loc[0] == "holes" and len(loc) > 2:
         del loc[2]  # pydantic puts the shape there
+    if loc[:2] == ["part", "outline"] and len(loc) > 2:
+        del loc[2]
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         loc.append("shape")
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc).lstrip(".")

@@ -1,4 +1,4 @@
-"""Holes and notches as tables of a scene file, each of which knows its outlines."""
+"""Holes, notches and parts as tables of a scene file, each of which knows its outlines."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from slmm.part import shapes
 from slmm.part.outline import Outline
 from slmm.part.points import point_problems, polygon_problems, read_points, without_repetition
 from slmm.scene.values import Angle, File, Length, Number, PlanePoint, PlanePoints, Radius, Table, exactly_one
+
+Array = NDArray[np.float64]
 
 #: radius over the length of the outline down to which a spline through points can follow a rounded corner; computed
 SHARPEST_OF_SPLINE = 7e-4
@@ -32,7 +35,7 @@ class CircleHole(Table):
     center: PlanePoint
     radius: Length
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
         return [Outline.through(shapes.circle(self.center, self.radius))]
 
@@ -45,7 +48,7 @@ class EllipseHole(Table):
     semi_axes: tuple[Length, Length]
     angle: Angle = 0.0
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
         return [Outline.through(shapes.ellipse(self.center, self.semi_axes, self.angle))]
 
@@ -69,7 +72,7 @@ class RectangleHole(Table):
             )
         return self
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
         if self.corner_radius < SHARPEST_OF_SPLINE * 2 * sum(self.size):
             corners = shapes.rectangle_corners(self.center, self.size, self.angle)
@@ -87,7 +90,7 @@ class PolygonHole(Table):
     points: Annotated[PlanePoints, Field(min_length=3)]
     corner_radius: Radius = 0.0
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
         corners = np.array(self.points, dtype=float)
         problems = polygon_problems(corners)
@@ -122,17 +125,17 @@ class VNotchHole(Table):
             )
         return self
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
-        depth = self._depth_beyond(plate) if self.depth is None else self.depth
+        depth = self._depth_beyond(box) if self.depth is None else self.depth
         return [Outline.of_pieces(shapes.v_notch(self.tip, self.direction, self.opening, self.radius, depth))]
 
-    def _depth_beyond(self, plate: Plate) -> float:
-        """Depth at which the whole back side lies outside the plate."""
+    def _depth_beyond(self, box: Array) -> float:
+        """Depth at which the whole back side lies outside a box (2, 2), mm."""
         angle = np.radians(self.direction)
-        corners = np.array([(x, y) for x in (0.0, plate.width) for y in (0.0, plate.height)])
+        corners = np.array([(x, y) for x in box[:, 0] for y in box[:, 1]])
         farthest = float(np.max((np.array(self.tip) - corners) @ (np.cos(angle), np.sin(angle))))
-        margin = 0.05 * max(plate.width, plate.height)
+        margin = 0.05 * float(np.ptp(box, axis=0).max())
         return max(farthest, shapes.root_depth(self.opening, self.radius)) + margin
 
 
@@ -148,7 +151,7 @@ class PointsHole(Table):
         exactly_one(self, ("points", "file"))
         return self
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
         points = np.array(self.points, dtype=float) if self.file is None else read_points(Path(self.file))
         problems = point_problems(points.reshape(-1, 2))
@@ -164,17 +167,32 @@ class ImageHole(Table):
     file: File
     pixel_size: Length
 
-    def outlines(self, plate: Plate) -> list[Outline]:
+    def outlines(self, box: Array) -> list[Outline]:
         """The outlines of all its dark areas."""
         from slmm.part.image import outlines_in_picture  # brings scikit-image
 
-        return outlines_in_picture(Path(self.file), self.pixel_size, plate.width, plate.height)
+        width, height = (box[1] - box[0]).tolist()
+        return outlines_in_picture(Path(self.file), self.pixel_size, width, height)
 
 
 Hole = Annotated[
     CircleHole | EllipseHole | RectangleHole | PolygonHole | VNotchHole | PointsHole | ImageHole,
     Field(discriminator="shape"),
 ]
+
+#: shapes that a part's outer outline may have
+OF_PART = ("circle", "ellipse", "rectangle", "polygon", "points")
+PartOutline = Annotated[
+    CircleHole | EllipseHole | RectangleHole | PolygonHole | PointsHole, Field(discriminator="shape")
+]
+
+
+class PartTable(Table):
+    """Part of any outer outline; mm."""
+
+    outline: PartOutline
+    thickness: Length = 1.0
+
 
 #: by their names in the file
 HOLES: dict[str, type[Table]] = {

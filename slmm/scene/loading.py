@@ -1,4 +1,4 @@
-"""What holds and moves a part: conditions on stretches of its outer edge.
+"""What holds and moves a part: conditions on stretches of its surface.
 
 The short forms of a plate's load become such conditions here, and nowhere else. Voxels, body-fitted models and all that
 asks which edges are held read these.
@@ -12,6 +12,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from slmm.part.span import Span
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
@@ -51,26 +53,37 @@ class Affine(NamedTuple):
 
 @dataclass(frozen=True)
 class Condition:
-    """What acts along a straight stretch of the outer edge.
+    """What acts along a stretch of a part's surface: a straight one, or a span of an outline.
 
     Parameters
     ----------
     start, end : (float, float)
-        The stretch, counter-clockwise, mm.
+        The stretch, with the body on its left, mm.
     displacement : (Affine or None, Affine or None)
         What u_x and u_y are there; None is free.
     traction : (float, float)
         MPa, in the directions that are free.
+    pressure : float
+        MPa, onto the surface.
+    bearing : (float, float)
+        Of a pin that pushes this way: its pressure falls as the cosine, from this one, MPa, to the sides.
+    span : Span, optional
+        None on a straight stretch.
     """
 
     start: Point
     end: Point
     displacement: tuple[Affine | None, Affine | None] = (None, None)
     traction: Point = (0.0, 0.0)
+    pressure: float = 0.0
+    bearing: Point = (0.0, 0.0)
+    span: Span | None = None
 
     @property
     def length(self) -> float:
         """Of the stretch, mm."""
+        if self.span is not None:
+            return self.span.length
         return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
 
     @property
@@ -78,13 +91,42 @@ class Condition:
         """Whether u_x and u_y are prescribed."""
         return self.displacement[0] is not None, self.displacement[1] is not None
 
+    @property
+    def is_loaded(self) -> bool:
+        """Whether a traction acts."""
+        return any(self.traction) or bool(self.pressure) or any(self.bearing)
+
     def on(self, points: Array) -> NDArray[np.bool_]:
         """Which points (n, 2) lie on the stretch."""
+        if self.span is not None:
+            return self.span.holds(points)
         start, length = np.array(self.start), self.length
         along = (np.array(self.end) - start) / length
         (dx, dy), near = (points - start).T, ON_STRETCH * length
         s = dx * along[0] + dy * along[1]
         return (np.abs(dx * along[1] - dy * along[0]) < near) & (s > -near) & (s < length + near)
+
+    def outward(self, points: Array) -> Array:
+        """Unit normals (n, 2) out of the body at points (n, 2) of the stretch."""
+        if self.span is not None:
+            return self.span.outward(points)
+        x, y = (np.array(self.end) - self.start) / self.length
+        return np.broadcast_to(np.array([y, -x]), points.shape)
+
+    def tractions(self, outward: Array) -> Array:
+        """Tractions (n, 2) where these are the unit normals (n, 2) out of the body, MPa; 0 in directions held."""
+        onto = self.pressure + np.maximum(-outward @ np.array(self.bearing), 0.0)
+        values = np.array(self.traction) - onto[:, None] * outward
+        return np.where(self.is_held, 0.0, values)
+
+    @property
+    def rule(self) -> tuple[Array, Array, Array]:
+        """Points (n, 2), tractions (n, 2), MPa, and weights (n,), mm, for integrals along the stretch."""
+        if self.span is not None:
+            points, outward, weight = self.span.rule
+            return points, self.tractions(outward), weight
+        points = np.array([self.start, self.end])
+        return points, self.tractions(self.outward(points)), np.full(2, 0.5 * self.length)
 
 
 @dataclass(frozen=True)
@@ -144,7 +186,7 @@ class Loading:
         # of a short stretch the force counts, over the part's smaller side
         traction = max(
             (
-                float(np.abs(condition.traction).max()) * min(1.0, condition.length / side if side else 1.0)
+                float(np.abs(condition.rule[1]).max()) * min(1.0, condition.length / side if side else 1.0)
                 for condition in self
             ),
             default=0.0,
@@ -161,7 +203,7 @@ class Loading:
             abs(one - other) / np.linalg.norm(here - there)
             for one, here in moved
             for other, there in moved
-            if one != other
+            if one != other and (here != there).any()
         ]
         return max(traction, E * float(max(stretches, default=0.0)))
 

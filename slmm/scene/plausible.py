@@ -48,7 +48,7 @@ def unusual_values(scene: Scene) -> list[str]:
     """
     material = scene.material
     return _of_material(material) + _of_size(
-        max(scene.plate.width, scene.plate.height), material.irwin_length
+        scene.size, "plate" if scene.plate is not None else "part", material.irwin_length
     )
 
 
@@ -86,12 +86,12 @@ def _of_material(material: Material) -> list[str]:
     return problems
 
 
-def _of_size(size: float, irwin_length: float) -> list[str]:
+def _of_size(size: float, what: str, irwin_length: float) -> list[str]:
     low, high = PLATE
     if not low <= size <= high:
-        return [f"plate: is {size:.4g} mm long, parts are {low:g} to {high:g} mm; lengths are read in mm"]
+        return [f"{what}: is {size:.4g} mm long, parts are {low:g} to {high:g} mm; lengths are read in mm"]
     if size < ETCHED and irwin_length > IRWIN_OF_ETCHED * size:
         return [
-            f"plate: is {size:.4g} mm long, with an Irwin's length of {irwin_length:.3g} mm; lengths are read in mm"
+            f"{what}: is {size:.4g} mm long, with an Irwin's length of {irwin_length:.3g} mm; lengths are read in mm"
         ]
     return []

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
+import shapely
 from pydantic import Field, ValidationError, ValidationInfo, model_validator
+from shapely.validation import explain_validity
 
 from slmm.mechanics.material import Material
 from slmm.part.checks import crack_problems, edges_of, hole_problems, overlaps_united, position_problems
 from slmm.part.outline import Outline
-from slmm.part.part import Part
+from slmm.part.part import OUTLINE_SAMPLES, Part
 from slmm.running.input_file import shown
 from slmm.scene.conditions import Boundary, general_loading
 from slmm.scene.errors import SceneError, problems_of
-from slmm.scene.holes import HOLES, Hole, Plate
+from slmm.scene.holes import HOLES, OF_PART, Hole, PartTable, Plate
 from slmm.scene.load_checks import load_problems
 from slmm.scene.loading import Loading, plate_loading
 from slmm.scene.tables import Analysis, Crack, Load, MaterialTable
@@ -33,7 +34,7 @@ POLYGON_POINTS = 400
 
 
 class Scene(Table):
-    """A plate with notches under load: everything a prediction needs.
+    """A plate or part with notches under load: everything a prediction needs.
 
     Made by `read_scene` or `Scene.from_dict`; a scene that exists has been checked.
 
@@ -52,7 +53,8 @@ class Scene(Table):
     """
 
     title: Title = ""
-    plate: Plate
+    plate: Plate | None = None
+    part_table: Annotated[PartTable | None, Field(alias="part")] = None
     holes: tuple[Hole, ...] = ()
     cracks: tuple[Crack, ...] = ()
     material_table: MaterialTable = Field(alias="material")
@@ -92,40 +94,81 @@ class Scene(Table):
 
     @cached_property
     def outlines(self) -> tuple[Outline, ...]:
-        """Outlines of all holes, in the order of the file; a picture may give several, holes that overlap one."""
-        return tuple(outline for _, outline in self._named_outlines)
+        """Outlines of all holes, in the order of the file; a picture may give several, holes that overlap one.
+
+        Of a part the last one is its outer outline.
+        """
+        holes = tuple(outline for _, outline in self._named_outlines)
+        return holes if self._rim is None else (*holes, self._rim)
 
     @cached_property
     def part(self) -> Part:
         """The geometry alone: outer edge, holes, and cracks with their ends where they belong."""
-        cracks = [np.array(crack.points) for crack in self.cracks]
-        return Part.plate(self.plate.width, self.plate.height, self.outlines, cracks, self.plate.thickness)
+        return self._uncracked.with_cracks([np.array(crack.points) for crack in self.cracks])
+
+    @cached_property
+    def _uncracked(self) -> Part:
+        holes = tuple(outline for _, outline in self._named_outlines)
+        if self.plate is not None:
+            return Part.plate(self.plate.width, self.plate.height, holes, (), self.plate.thickness)
+        assert self.part_table is not None and self._rim is not None
+        return Part.within(self._rim.reversed(), holes, (), self.part_table.thickness)
+
+    @cached_property
+    def _rim(self) -> Outline | None:
+        """Outer outline of a part, clockwise."""
+        if self.part_table is None:
+            return None
+        try:
+            (outline,) = self.part_table.outline.outlines(np.zeros((2, 2)))
+        except ValueError as error:
+            raise SceneError([f"part.outline: {error}"]) from None
+        return outline.reversed()
+
+    @cached_property
+    def outer(self) -> shapely.Polygon:
+        """The part without its holes."""
+        if self.plate is not None:
+            return shapely.box(0.0, 0.0, self.plate.width, self.plate.height)
+        assert self._rim is not None
+        return shapely.Polygon(self._rim.polygon(OUTLINE_SAMPLES)[::-1])
+
+    @property
+    def box(self) -> np.ndarray:
+        """Lower left and upper right corner (2, 2) of the rectangle around it, mm."""
+        return np.array(self.outer.bounds).reshape(2, 2)
+
+    @property
+    def size(self) -> float:
+        """Longer side of the rectangle around it, mm."""
+        return float(np.ptp(self.box, axis=0).max())
 
     @cached_property
     def loading(self) -> Loading:
-        """The load as conditions on the plate's edges."""
+        """The load as conditions on the part's surface."""
         load = self.load
         if load is None:
             return self._general_loading[0]
+        assert self.plate is not None
         return plate_loading(self.plate.width, self.plate.height, load.strain, load.displacement, load.stress)
 
     @cached_property
     def _general_loading(self) -> tuple[Loading, list[str]]:
-        return general_loading(self.boundary, replace(self.part, cracks=()))
+        return general_loading(self.boundary, self._uncracked)
 
     @cached_property
     def notches(self) -> Lines:
-        """The outlines as polygons, for rays to meet."""
+        """The holes as polygons, for rays to meet."""
         from slmm.part.rays import Lines  # imports numba, which scenes do without
 
-        return Lines.of([outline.polygon(POLYGON_POINTS) for outline in self.outlines], closed=True)
+        return Lines.of([hole.polygon(POLYGON_POINTS) for hole in self._uncracked.holes], closed=True)
 
     @cached_property
     def _named_outlines(self) -> tuple[tuple[str, Outline], ...]:
         named, problems = [], []
         for i, hole in enumerate(self.holes):
             try:
-                outlines = hole.outlines(self.plate)
+                outlines = hole.outlines(self.box)
             except ValueError as error:
                 file = getattr(hole, "file", None)
                 key = f"holes[{i}]" if file is None else f'holes[{i}].file = "{Path(file).name}"'
@@ -134,13 +177,18 @@ class Scene(Table):
             for k, outline in enumerate(outlines):
                 named.append((f"holes[{i}]" + (f" (outline {k})" if len(outlines) > 1 else ""), outline))
         if not problems:
-            named, problems = overlaps_united(named, self.plate.width, self.plate.height)
+            named, problems = overlaps_united(named, self.outer)
         if problems:
             raise SceneError(problems)
         return tuple(named)
 
     @model_validator(mode="after")
-    def _has_one_load(self) -> Self:
+    def _has_one_part_and_load(self) -> Self:
+        if (self.plate is None) == (self.part_table is None):
+            contradicts = "part: contradicts plate; give [plate] or [part]"
+            raise SceneError(["plate: is missing" if self.plate is None else contradicts])
+        if self.load is not None and self.plate is None:
+            raise SceneError(["load: is the short form for plates; give [[boundary]] for a part"])
         if (self.load is None) == (not self.boundary):
             contradicts = "load: contradicts boundary; give [load] or [[boundary]]"
             raise SceneError(["load: is missing" if self.load is None else contradicts])
@@ -148,25 +196,35 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _geometry_is_possible(self, info: ValidationInfo) -> Self:
-        width, height = self.plate.width, self.plate.height
-        if sum(hole.shape == "image" for hole in self.holes) > 1:
+        images = sum(hole.shape == "image" for hole in self.holes)
+        if images > 1:
             raise SceneError(["holes: only one image is allowed, because it covers the whole plate"])
+        if images and self.plate is None:
+            raise SceneError(["holes: an image covers a whole plate; give [plate] in place of [part]"])
         unchanged: Scene | None = (info.context or {}).get("geometry_of")
         if unchanged is not None:
             self.__dict__["_named_outlines"] = unchanged._named_outlines
+            self.__dict__["_rim"] = unchanged._rim
+        if not self.outer.is_valid:
+            raise SceneError(
+                [f"part.outline: the outline crosses or touches itself: {explain_validity(self.outer)}"]
+            )
         problems = []
         if unchanged is None:
             names = [name for name, _ in self._named_outlines]
-            problems = hole_problems(self.outlines, names, width, height)
+            problems = hole_problems([outline for _, outline in self._named_outlines], names, self.outer)
         if not problems and self.cracks:
             cracks = [np.array(crack.points) for crack in self.cracks]
-            problems += crack_problems(cracks, self.outlines, width, height)
+            holes = [outline for _, outline in self._named_outlines]
+            problems += crack_problems(cracks, holes, self.outer)
         if not problems and self.load is not None:
+            assert self.plate is not None
+            width, height = self.plate.width, self.plate.height
             problems += load_problems(self.load, edges_of(self.outlines, width, height), width, height)
         elif not problems:
             problems += self._general_loading[1]
         if self.analysis.points is not None:
-            problems += position_problems(np.array(self.analysis.points), width, height)
+            problems += position_problems(np.array(self.analysis.points), self.outer)
         if problems:
             raise SceneError(problems)
         return self
@@ -195,7 +253,10 @@ class Scene(Table):
             if new in changes and old_load not in changes:
                 tables.pop(old_load, None)
         context: dict[str, Any] = {"folder": Path()}
-        if not {"plate", "holes"} & set(changes):
+        for new, old_body in (("plate", "part"), ("part", "plate")):
+            if new in changes and old_body not in changes:
+                tables.pop(old_body, None)
+        if not {"plate", "part", "holes"} & set(changes):
             context["geometry_of"] = self
         return self._validated(tables, context)
 
@@ -212,8 +273,10 @@ _EXCLUDES: dict[tuple[str, str], tuple[str, ...]] = {
 }
 
 _KNOWN_KEYS: dict[tuple[str, ...], list[str]] = {
-    (): ["title", "plate", "holes", "cracks", "material", "load", "boundary", "analysis"],
+    (): ["title", "plate", "part", "holes", "cracks", "material", "load", "boundary", "analysis"],
     ("plate",): list(Plate.model_fields),
+    ("part",): list(PartTable.model_fields),
+    **{("part", "outline", shape): list(HOLES[shape].model_fields) for shape in OF_PART},
     ("cracks",): list(Crack.model_fields),
     ("material",): list(MaterialTable.model_fields),
     ("load",): list(Load.model_fields),

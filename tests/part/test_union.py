@@ -60,7 +60,7 @@ def test_overlapping_holes_are_one_outline(holes, angles):
     part = scene(*holes)
     (outline,) = part.outlines
     np.testing.assert_allclose(np.sort(np.degrees(outline.corner_angles)), np.sort(angles), atol=0.01)
-    parts = [own for hole in part.holes for own in hole.outlines(part.plate)]
+    parts = [own for hole in part.holes for own in hole.outlines(part.box)]
     true = shapely.union_all([_polygon(own) for own in parts])
     assert shapely.Polygon(outline.polygon(20_000)).area == pytest.approx(true.area, rel=1e-5)
     # every point lies on one of the curves, to rounding

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from slmm.part.part import Part
 from slmm.scene.conditions import Boundary
 from slmm.scene.errors import SceneError
 from slmm.scene.loading import Affine, Condition
+from slmm.scene.places import located
 from slmm.scene.scene import Scene
 
 PLATE = {"width": 40.0, "height": 20.0, "thickness": 2.0}
@@ -20,7 +22,7 @@ def scene(*boundary, **tables):
 
 
 def stretches(table):
-    return Boundary.model_validate(table).stretches(40.0, 20.0)
+    return located(Boundary.model_validate(table), Part.plate(40.0, 20.0))
 
 
 def test_an_edge_by_its_name_and_all_of_them():

@@ -34,7 +34,7 @@ def material(**changes):
 
 REFUSED = [
     # keys
-    ({"colour": "red"}, r'^colour = "red": is not a known key; known here: title, plate, holes'),
+    ({"colour": "red"}, r'^colour = "red": is not a known key; known here: title, plate, part, holes'),
     ({"holes": [{**CIRCLE, "raduis": 3}]}, r"^holes\[0\]\.raduis = 3: is not a known key;.* radius$"),
     ({"plate": {"width": 100.0}}, r"^plate\.height: is missing"),
     ({"plate": 7}, r"^plate = 7: must be a table"),
