@@ -12,11 +12,11 @@ from slmm.boundary.densities import (
     Linear,
     displacement_of_boundary,
     displacement_of_highest,
-    displacement_of_jump,
+    displacement_of_jumps,
     parts,
 )
 from slmm.boundary.panels import panelled
-from slmm.boundary.rules import Array, highest, integration
+from slmm.boundary.rules import Array, Complex, highest, integration
 from slmm.boundary.stretches import boundary_of
 from slmm.mechanics.material import Material
 from slmm.mechanics.rigid import free_motions
@@ -45,8 +45,8 @@ class Body:
     Attributes
     ----------
     panels : Panels
-    known_t, known_q : ndarray, shape (n,)
-        Tractions that are given, MPa, and their resultants over kappa + 1.
+    known_t, known_q, known_jumps : ndarray, shape (n,), (n,), (c,)
+        Tractions that are given, MPa, their resultants over kappa + 1, and those of the c closed curves.
     lu : tuple
         Of the base system.
     solution : ndarray, shape (2 n,)
@@ -117,10 +117,31 @@ class Body:
         """Points (h,) at which a displacement is prescribed."""
         return np.flatnonzero(self.held.any(axis=1))
 
-    def by_tractions(self, by_q: Linear) -> Linear:
-        """By the tractions at held points, what is given by q."""
-        to_q = self.to_q[:, self.held_rows] * (1j / (self.kappa + 1))
-        return Linear(by_q.one @ to_q, by_q.other @ to_q.conj())
+    @cached_property
+    def to_jumps(self) -> Array:
+        """From tractions (n,) to what q is short of after each closed curve, over i/(kappa + 1); (c, n)."""
+        of_point = np.repeat(self.panels.contour, self.panels.p)
+        return np.where(of_point == np.unique(of_point)[:, None], np.abs(self.panels.dz), 0.0)
+
+    @cached_property
+    def begins(self) -> Complex:
+        """Where each closed curve begins, (c,)."""
+        first = np.unique(self.panels.contour, return_index=True)[1]
+        return np.asarray(self.panels.ends[first, 0])
+
+    def by_tractions(self, by_q: Linear, by_jumps: Linear) -> Linear:
+        """By the tractions at held points, what is given by q and its jumps."""
+        rows, unit = self.held_rows, 1j / (self.kappa + 1)
+        to_q, to_jumps = self.to_q[:, rows] * unit, self.to_jumps[:, rows] * unit
+        return Linear(
+            by_q.one @ to_q + by_jumps.one @ to_jumps,
+            by_q.other @ to_q.conj() + by_jumps.other @ to_jumps.conj(),
+        )
+
+    def displacement_by_jumps(self, targets: Complex) -> Linear:
+        """W at targets (t,) by the jumps of q."""
+        size = 2 * float(np.abs(self.panels.z - self.panels.z.mean()).max())
+        return displacement_of_jumps(self.kappa, self.begins, size, targets)
 
     def in_unknowns(self, by_g: Linear, by_t: Linear) -> Array:
         """Real matrix (2 t, 2 n) in the unknowns: displacements at the points or, where these are held, tractions."""
@@ -131,10 +152,10 @@ class Body:
         return matrix
 
     def _unseen(self) -> Linear:
-        """W at all points by what q has and does not show at any: P_p of its panels, and its closing.
+        """W at all points by what q has on held panels and does not show at any: their P_p.
 
-        Both would else be free to grow: q jumps where a held stretch ends, and where its curve begins, wherever forces
-        do not balance; such jumps are forces at corners, which hardly any point feels.
+        It would else be free to grow: q jumps where a held stretch ends; such jumps are forces at corners, which hardly
+        any point feels.
         """
         panels, p = self.panels, self.panels.p
         own = np.arange(panels.n) // p
@@ -144,34 +165,20 @@ class Body:
         np.put_along_axis(spread, held[:, None] * p + np.arange(p), share * (1j / (self.kappa + 1)), axis=1)
         spread = spread[:, self.held_rows]
         of_held = displacement_of_highest(panels, self.kappa, held, panels.z, own)
-        result = Linear(of_held.one @ spread, of_held.other @ spread.conj())
-        for contour in np.unique(panels.contour[held]):
-            total = self._total(contour)[None, self.held_rows]
-            jump = self._jump(contour)
-            result = result.plus(Linear(-jump.one @ total, -jump.other @ total.conj()))
-        return result
-
-    def _total(self, contour: int) -> Array:
-        """From tractions (n,) to the q that is left after a whole curve."""
-        on = np.repeat(self.panels.contour == contour, self.panels.p)
-        return np.where(on, np.abs(self.panels.dz), 0.0) * (1j / (self.kappa + 1))
-
-    def _jump(self, contour: int) -> Linear:
-        """W at all points by a jump of q by one where a curve begins."""
-        first = int(np.flatnonzero(self.panels.contour == contour)[0])
-        size = 2 * float(np.abs(self.panels.z - self.panels.z.mean()).max())
-        return displacement_of_jump(self.kappa, self.panels.ends[first, 0], size, self.panels.z)
+        return Linear(of_held.one @ spread, of_held.other @ spread.conj())
 
     def _factorise(self) -> None:
         """The base system: at every point the limit of W from inside is (kappa + 1) g."""
-        n = self.panels.n
+        n, unit = self.panels.n, 1j / (self.kappa + 1)
         by_g, by_q = displacement_of_boundary(self.panels, self.kappa, self.panels.z, np.arange(n))
+        by_jumps = self.displacement_by_jumps(self.panels.z)
         by_g = Linear(by_g.one - (self.kappa + 1) * np.eye(n), by_g.other)
-        matrix = self.in_unknowns(by_g, self.by_tractions(by_q).plus(self._unseen()))
-        self.known_q = self.to_q @ (self.known_t * 1j / (self.kappa + 1))
-        known = by_g(self.known_g) + by_q(self.known_q)
-        for contour in np.unique(self.panels.contour[self.held_rows // self.panels.p]):
-            known -= self._jump(contour)(self._total(contour) @ self.known_t[:, None])
+        matrix = self.in_unknowns(by_g, self.by_tractions(by_q, by_jumps).plus(self._unseen()))
+        self.known_q, self.known_jumps = (
+            self.to_q @ (self.known_t * unit),
+            self.to_jumps @ (self.known_t * unit),
+        )
+        known = by_g(self.known_g) + by_q(self.known_q) + by_jumps(self.known_jumps)
         points = np.column_stack([self.panels.z.real, self.panels.z.imag])
         free = free_motions(points, self.held)
         weight = np.repeat(np.abs(self.panels.dz), 2)

@@ -89,11 +89,19 @@ def displacement_of_highest(
     return Linear(2 * kappa * C1.real / TWO_PI_I, C3 / TWO_PI_I)
 
 
-def displacement_of_jump(kappa: float, at: complex, size: float, targets: Complex) -> Linear:
-    """W at targets (t,) by a q that jumps by one at a place: a force there; a rigid motion by ``size`` aside."""
-    gap = at - targets
-    log, turn = np.log(np.abs(gap) / size), gap / np.conj(gap)
-    return Linear((2 * kappa * log / TWO_PI_I)[:, None], (turn / TWO_PI_I)[:, None])
+def displacement_of_jumps(kappa: float, at: Complex, size: float, targets: Complex) -> Linear:
+    """W at targets (t,) by what q is short of after each closed curve that begins ``at`` (c,): the force on it.
+
+    A rigid motion aside, which ``size`` decides, and which has no part in forces that balance.
+    """
+    gap = at - targets[:, None]
+    return Linear(-2 * kappa * np.log(np.abs(gap) / size) / TWO_PI_I, -gap / np.conj(gap) / TWO_PI_I)
+
+
+def stress_of_jumps(at: Complex, targets: Complex) -> tuple[Complex, Complex]:
+    """The same as weights (t, c) in P, and in the part of Q that is linear in the jumps."""
+    gap = at - targets[:, None]
+    return 1 / (TWO_PI_I * gap), -np.conj(gap) / (TWO_PI_I * gap**2)
 
 
 def stress_of_boundary(panels: Panels, targets: Complex) -> tuple[Complex, Complex]:

@@ -16,6 +16,7 @@ from slmm.boundary.densities import (
     of_cracks,
     parts,
     stress_of_boundary,
+    stress_of_jumps,
     traction_of,
 )
 from slmm.boundary.rules import Array, values_at
@@ -49,6 +50,8 @@ class BoundaryModel:
     cracks : CrackPanels or None
     g, q : ndarray, shape (n,)
         Displacement and resultant force at the boundary's points, times 2 mu/(kappa + 1) and 1/(kappa + 1).
+    jumps : ndarray, shape (c,)
+        What q is short of after each closed curve.
     c : ndarray, shape (m,)
         Displacement jump at the points of the cracks, scaled as g.
     """
@@ -59,7 +62,7 @@ class BoundaryModel:
         material: Material,
         loading: Loading,
         p: int = 8,
-        crack_p: int = 6,
+        crack_p: int = 8,
         body: Body | None = None,
     ) -> None:
         """Assemble, factorise and solve; on a ``body`` that serves the part, only what its cracks need."""
@@ -139,8 +142,9 @@ class BoundaryModel:
         P, Q = stress_of_boundary(self.panels, z)
         e = np.repeat(c.direction, p)
         by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
-        rows = body.in_unknowns(by_g, body.by_tractions(by_q))
-        known = parts(by_g(body.known_g) + by_q(body.known_q))
+        by_jumps = traction_of(*stress_of_jumps(body.begins, z), body.kappa, e)
+        rows = body.in_unknowns(by_g, body.by_tractions(by_q, by_jumps))
+        known = parts(by_g(body.known_g) + by_q(body.known_q) + by_jumps(body.known_jumps))
         for i, k in enumerate(new):
             part = slice(2 * p * i, 2 * p * (i + 1))
             body.crack_columns[keys[k]] = columns[:, part]
@@ -152,7 +156,8 @@ class BoundaryModel:
         components = solution.reshape(-1, 2)
         self.g = body.known_g + np.where(body.held, 0.0, components) @ [1, 1j]
         self.t = body.known_t + np.where(body.held, components, 0.0) @ [1, 1j]
-        self.q = body.to_q @ (self.t * 1j / (body.kappa + 1))
+        forces = self.t * 1j / (body.kappa + 1)
+        self.q, self.jumps = body.to_q @ forces, body.to_jumps @ forces
 
     def stress_intensities(self) -> Array:
         """K_I and K_II (k, 2) of every tip of the part, MPa sqrt(mm)."""
@@ -226,7 +231,7 @@ class BoundaryModel:
         targets = points[:, 0] + 1j * points[:, 1]
         beside = np.full(len(targets), -1)
         by_g, by_q = displacement_of_boundary(self.panels, self.body.kappa, targets, beside)
-        W = by_g(self.g) + by_q(self.q)
+        W = by_g(self.g) + by_q(self.q) + self.body.displacement_by_jumps(targets)(self.jumps)
         if self.cracks is not None:
             W = W + of_cracks(self.cracks, targets, beside).displacement(self.body.kappa)(self.c)
         u = W / (2 * self.body.mu)
@@ -246,8 +251,10 @@ class BoundaryModel:
         """Stress (k, 3) by the kernels."""
         targets = points[:, 0] + 1j * points[:, 1]
         P, Q = stress_of_boundary(self.panels, targets)
-        one = P @ (self.g + self.q)
+        P_jumps, Q_jumps = stress_of_jumps(self.body.begins, targets)
+        one = P @ (self.g + self.q) + P_jumps @ self.jumps
         other = Q @ (self.g + self.q) + P @ (self.body.kappa * self.q - self.g).conj()
+        other += Q_jumps @ self.jumps + P_jumps @ (self.body.kappa * self.jumps).conj()
         if self.cracks is not None:
             cracks = of_cracks(self.cracks, targets, np.full(len(targets), -1))
             one = one + cracks.P @ self.c

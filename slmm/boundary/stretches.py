@@ -13,7 +13,7 @@ from slmm.fem.boundary import Piece, boundary_pieces
 from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
 from slmm.part.outline_splines import curvature_jumps
 from slmm.part.part import Part
-from slmm.scene.loading import Loading
+from slmm.scene.loading import Condition, Loading
 
 #: the last panel before a corner that juts out, a mouth of a crack and a corner that points into the material, over the
 #: length of the side: solutions are smoother there by turns (chosen on the cases of tests/boundary)
@@ -86,9 +86,7 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
     wanted = np.concatenate(
         [
             np.array([(z.real, z.imag) for z in mouths]).reshape(-1, 2),
-            np.array([end for condition in loading for end in (condition.start, condition.end)]).reshape(
-                -1, 2
-            ),
+            loading.ends,
             *(hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.outlines),
         ]
     )
@@ -119,11 +117,15 @@ def _stretches(piece: Piece, part: Part) -> list[Stretch]:
     return found
 
 
-def _held(stretch: Stretch, loading: Loading) -> tuple[bool, bool]:
-    """Whether u_x and u_y are prescribed on a stretch."""
+def _acting(stretch: Stretch, loading: Loading) -> list[Condition]:
+    """The conditions on a stretch."""
     (middle,), *_ = stretch.at(np.array([0.5]))
-    on = [c.is_held for c in loading if c.on(np.array([[middle.real, middle.imag]]))[0]]
-    return any(x for x, _ in on), any(y for _, y in on)
+    return [condition for condition in loading if condition.on(np.array([[middle.real, middle.imag]]))[0]]
+
+
+def _held(acting: list[Condition]) -> tuple[bool, bool]:
+    """Whether u_x and u_y are prescribed."""
+    return any(c.is_held[0] for c in acting), any(c.is_held[1] for c in acting)
 
 
 def _is_singular(one: tuple[bool, bool], other: tuple[bool, bool], turn: float) -> bool:
@@ -139,15 +141,15 @@ def _graded(
     stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float
 ) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
-    held = [_held(stretch, loading) for stretch in stretches]
+    acting = [_acting(stretch, loading) for stretch in stretches]
+    held = [_held(conditions) for conditions in acting]
     breaks = np.array(mouths, dtype=complex)
     ends = np.array([0.0, 1.0])
     tangents = [stretch.at(ends)[1] for stretch in stretches]
     grade = []
     for k, stretch in enumerate(stretches):
         turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
-        # where two straight stretches go on into each other, conditions change
-        changes = stretch.outline is None and stretches[k - 1].outline is None and abs(turn) < SMALLEST_TURN
+        changes = abs(turn) < SMALLEST_TURN and acting[k] != acting[k - 1]
         if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
             grade.append(MOUTH)
         elif changes:

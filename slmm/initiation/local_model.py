@@ -18,6 +18,7 @@ from slmm.initiation.uncracked import Raster
 from slmm.mechanics.material import Material
 from slmm.part.coverage import area_fraction
 from slmm.part.edges import material_on_edges, share_of_pieces
+from slmm.part.part import Part
 from slmm.scene.loading import Loading
 from slmm.voxels.model import solve_voxels
 
@@ -116,21 +117,25 @@ RASTER_PIECES = 400**2
 
 def rasterised(scene: Any) -> Raster:
     """The material's share of pieces of a scene's plate."""
-    (left, bottom), (right, top) = scene.box.tolist()
-    width, height = right - left, top - bottom
+    if scene.plate is None:
+        return _rasterised(scene.part)
+    width, height = scene.plate.width, scene.plate.height
     nx, ny = grid_size(width, height, RASTER_PIECES)
     hx, hy = width / nx, height / ny
-    if scene.plate is None:
-        rings = [
-            shapely.get_coordinates(ring) - (left, bottom) for ring in shapely.get_rings(scene.part.body)
-        ]
-        whole, *holes = ([ring] for ring in rings)
-        density = area_fraction(whole, width, height, nx, ny)
-        for hole in holes:
-            density -= area_fraction(hole, width, height, nx, ny)
-        return Raster(np.clip(density, 0.0, 1.0), hx, hy, (left, bottom))
     polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
     return Raster(1 - area_fraction(polygons, width, height, nx, ny), hx, hy)
+
+
+def _rasterised(part: Part) -> Raster:
+    """The material's share of pieces of the box around a part."""
+    (left, bottom), (right, top) = part.box.tolist()
+    width, height = right - left, top - bottom
+    nx, ny = grid_size(width, height, RASTER_PIECES)
+    rings = [shapely.get_coordinates(ring) - (left, bottom) for ring in shapely.get_rings(part.body)]
+    density = area_fraction(rings[:1], width, height, nx, ny)
+    if len(rings) > 1:
+        density -= area_fraction(rings[1:], width, height, nx, ny)
+    return Raster(np.clip(density, 0.0, 1.0), width / nx, height / ny, (left, bottom))
 
 
 def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalModel:

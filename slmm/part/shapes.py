@@ -77,15 +77,15 @@ def rectangle_corners(center: ArrayLike, size: tuple[float, float], angle: float
     return _placed(half * [(1, 1), (-1, 1), (-1, -1), (1, -1)], center, angle)
 
 
-def polygon(points: ArrayLike, corner_radius: float = 0.0) -> list[Array]:
+def polygon(points: ArrayLike, corner_radius: ArrayLike = 0.0) -> list[Array]:
     """Pieces of a polygon for `Outline.of_pieces`: its sides and, when it is rounded, tangent arcs between them.
 
     Parameters
     ----------
     points : (k, 2) array_like
         Corners of a simple polygon, mm, in either sense.
-    corner_radius : float
-        Radius of the corners, mm; 0 leaves them sharp.
+    corner_radius : float or (k,) array_like
+        Radius of the corners, or of each of them, mm; 0 leaves them sharp.
 
     Returns
     -------
@@ -104,7 +104,8 @@ def polygon(points: ArrayLike, corner_radius: float = 0.0) -> list[Array]:
     """
     corners = np.asarray(points, dtype=float)
     sides = np.roll(corners, -1, axis=0) - corners
-    if corner_radius == 0:
+    radius = np.broadcast_to(np.asarray(corner_radius, dtype=float), len(corners))
+    if not radius.any():
         return [np.array(ends) for ends in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
     lengths = np.linalg.norm(sides, axis=1)
     along = sides / lengths[:, None]
@@ -112,20 +113,24 @@ def polygon(points: ArrayLike, corner_radius: float = 0.0) -> list[Array]:
     turns = np.arctan2(before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0], (before * along).sum(axis=1))
     turns[np.abs(turns) < SMALLEST_TURN] = 0.0  # smooth already
     per_radius = np.tan(np.abs(turns) / 2)  # length of the tangents from a corner to its arc
-    cut = corner_radius * per_radius
+    cut = radius * per_radius
     left = lengths - cut - np.roll(cut, -1)
     if (left < -1e-9 * lengths).any():
         k = int((left / lengths).argmin())
-        largest = lengths[k] / (per_radius[k] + np.roll(per_radius, -1)[k])
+        following = (k + 1) % len(corners)
+        # both radii alike, or as they are to each other
+        share = lengths[k] / (cut[k] + cut[following])
+        allowed = " and ".join(f"{share * r:.6g}" for r in dict.fromkeys((radius[k], radius[following])))
+        given = " and ".join(f"{r:g}" for r in dict.fromkeys((radius[k], radius[following])))
         raise ValueError(
-            f"corner_radius = {corner_radius:g}: does not fit between points {k} and {(k + 1) % len(corners)};"
-            f" must be at most {largest:.6g} there"
+            f"corner_radius = {given}: does not fit between points {k} and {following};"
+            f" must be at most {allowed} there"
         )
     pieces = []
     for k, corner in enumerate(corners):
         start, end = corner - cut[k] * before[k], corner + cut[k] * along[k]
-        if turns[k]:
-            centre = start + np.sign(turns[k]) * corner_radius * _left_of(before[k])
+        if turns[k] and radius[k]:
+            centre = start + np.sign(turns[k]) * radius[k] * _left_of(before[k])
             pieces.append(np.vstack([start, _arc(start, centre, turns[k])[1:-1], end]))
         if left[k] > 1e-9 * lengths[k]:
             following = (k + 1) % len(corners)

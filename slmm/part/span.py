@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from slmm.part.outline import Outline
 
@@ -15,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: points as near to a span lie on it, as a share of the outline's length; round-off
 ON_SPAN = 1e-9
+#: samples of a span between which its surface runs along a direction at most once (chosen)
+SAMPLES = 401
 #: Gauss points on each piece of an outline, for integrals along a span (chosen: exact to the seventh power)
 GAUSS_POINTS = 4
 
@@ -93,6 +96,16 @@ class Span:
         """Unit normals (n, 2) out of the body at points (n, 2) of the span."""
         s = self.outline.project(points)
         return -self.outline.normals(s)
+
+    def square_to(self, direction: Array) -> Array:
+        """Points (k, 2) between its ends where the surface runs along a direction (2,)."""
+        s = np.linspace(self.first, self.last, SAMPLES)
+        across = self.outline.normals(s) @ direction
+        found = [
+            float(brentq(lambda at: float(self.outline.normals(at) @ direction), s[k], s[k + 1], xtol=1e-13))
+            for k in np.flatnonzero(across[:-1] * across[1:] < 0)
+        ]
+        return self.outline.points(np.array(found))
 
     @cached_property
     def rule(self) -> tuple[Array, Array, Array]:

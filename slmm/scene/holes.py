@@ -84,11 +84,28 @@ class RectangleHole(Table):
 
 
 class PolygonHole(Table):
-    """Hole with straight sides between its corners (mm), which are sharp or rounded by tangent arcs."""
+    """Hole with straight sides between its corners (mm), which are sharp or rounded by tangent arcs.
+
+    All corners have one ``corner_radius``, or each its own of ``corner_radii``.
+    """
 
     shape: Literal["polygon"]
     points: Annotated[PlanePoints, Field(min_length=3)]
     corner_radius: Radius = 0.0
+    corner_radii: tuple[Radius, ...] | None = None
+
+    @model_validator(mode="after")
+    def _one_radius_or_one_each(self) -> Self:
+        if self.corner_radii is None:
+            return self
+        if self.corner_radius:
+            raise ValueError("corner_radius and corner_radii contradict each other; give one of them")
+        if len(self.corner_radii) != len(self.points):
+            raise ValueError(
+                f"corner_radii has {len(self.corner_radii)} entries: must have one for each of the "
+                f"{len(self.points)} points"
+            )
+        return self
 
     def outlines(self, box: Array) -> list[Outline]:
         """Its outline, as a list of one."""
@@ -96,7 +113,9 @@ class PolygonHole(Table):
         problems = polygon_problems(corners)
         if problems:
             raise ValueError("; ".join(problems))
-        return [Outline.of_pieces(shapes.polygon(without_repetition(corners), self.corner_radius))]
+        distinct = without_repetition(corners)
+        radius = self.corner_radius if self.corner_radii is None else self.corner_radii[: len(distinct)]
+        return [Outline.of_pieces(shapes.polygon(distinct, radius))]
 
 
 class VNotchHole(Table):

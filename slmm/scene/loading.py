@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -119,6 +120,14 @@ class Condition:
         values = np.array(self.traction) - onto[:, None] * outward
         return np.where(self.is_held, 0.0, values)
 
+    @cached_property
+    def ends(self) -> Array:
+        """Points (n, 2) where it begins and ends, and between them where its traction has a kink, mm."""
+        ends = np.array([self.start, self.end])
+        if self.span is None or not any(self.bearing):
+            return ends
+        return np.concatenate([ends, self.span.square_to(np.array(self.bearing))])
+
     @property
     def rule(self) -> tuple[Array, Array, Array]:
         """Points (n, 2), tractions (n, 2), MPa, and weights (n,), mm, for integrals along the stretch."""
@@ -153,10 +162,8 @@ class Loading:
 
     @property
     def ends(self) -> Array:
-        """Points (n, 2) where conditions begin and end, mm: models have nodes there."""
-        return np.array([point for condition in self for point in (condition.start, condition.end)]).reshape(
-            -1, 2
-        )
+        """Points (n, 2) where conditions begin, end or have kinks, mm: models have nodes there."""
+        return np.concatenate([np.empty((0, 2)), *(condition.ends for condition in self)])
 
     def at_edge(self, start: Point, end: Point) -> Condition:
         """The condition on a whole edge from one corner to the next; a free one where there is none."""
