@@ -80,6 +80,14 @@ def slope_at_tip(p: int) -> Array:
     return slopes @ inverse
 
 
+@lru_cache
+def at_tip(p: int) -> Array:
+    """From values at the points of a panel with a tip to that at the tip, of what is smooth in the distance."""
+    x, _, _ = tip_rule(p)
+    r = 2 * x**2 - 1
+    return legendre.legvander(np.array([-1.0]), p - 1)[0] @ np.linalg.inv(legendre.legvander(r, p - 1))
+
+
 def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
     """Panels along all cracks of a part; ``around`` are samples of its surfaces."""
     found: list[tuple[complex, complex, int]] = []

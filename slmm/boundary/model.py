@@ -10,7 +10,7 @@ import scipy.linalg as la
 from scipy.spatial import cKDTree
 
 from slmm.boundary.body import Body, check_in_one_piece
-from slmm.boundary.crack_panels import CrackPanels, crack_panels, slope_at_tip
+from slmm.boundary.crack_panels import CrackPanels, at_tip, crack_panels, slope_at_tip
 from slmm.boundary.densities import (
     displacement_of_boundary,
     of_cracks,
@@ -19,7 +19,8 @@ from slmm.boundary.densities import (
     stress_of_jumps,
     traction_of,
 )
-from slmm.boundary.rules import Array, values_at
+from slmm.boundary.faces import held_closed, opening_of
+from slmm.boundary.rules import Array, Complex, values_at
 from slmm.boundary.surface import Feet, feet, surface_stress
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
@@ -43,6 +44,10 @@ class BoundaryModel:
     loading : Loading
     p, crack_p : int
         Gauss points on each panel of the boundary, and of the cracks.
+    body : Body, optional
+        Factorised, with the same outlines and mouths.
+    contact : bool
+        Whether faces that would overlap hold each other, without friction.
 
     Attributes
     ----------
@@ -54,6 +59,8 @@ class BoundaryModel:
         What q is short of after each closed curve.
     c : ndarray, shape (m,)
         Displacement jump at the points of the cracks, scaled as g.
+    touching : ndarray, shape (m,) of bool
+        Where their faces hold each other.
     """
 
     def __init__(
@@ -64,9 +71,10 @@ class BoundaryModel:
         p: int = 8,
         crack_p: int = 8,
         body: Body | None = None,
+        contact: bool = False,
     ) -> None:
         """Assemble, factorise and solve; on a ``body`` that serves the part, only what its cracks need."""
-        self.crack_p = crack_p
+        self.crack_p, self.contact = crack_p, contact
         self._finer_before: BoundaryModel | None = None
         self.part = part
         self.body = body or Body(part, material, loading, p)
@@ -74,6 +82,7 @@ class BoundaryModel:
         self.cracks: CrackPanels | None = None
         solution = self.body.solution
         self.c = np.empty(0, dtype=complex)
+        self.touching = np.empty(0, dtype=bool)
         if part.cracks:
             self.cracks = crack_panels(part, self.panels.z, crack_p)
             solution = self._with_cracks(solution)
@@ -84,7 +93,8 @@ class BoundaryModel:
         body = self.body if self.body.serves(part) else None
         if any("crack" in (crack.start.kind, crack.end.kind) for crack in part.cracks):
             check_in_one_piece(part)  # without a new mouth only cracks that meet can sever it
-        grown = BoundaryModel(part, self.body.material, self.body.loading, self.body.p, self.crack_p, body)
+        of_body = self.body.material, self.body.loading, self.body.p
+        grown = BoundaryModel(part, *of_body, self.crack_p, body, self.contact)
         grown._finer_before = self.__dict__.get("finer", self._finer_before)
         return grown
 
@@ -94,7 +104,14 @@ class BoundaryModel:
         if self._finer_before is not None:
             return self._finer_before.with_cracks_of(self.part)
         body = self.body
-        return BoundaryModel(self.part, body.material, body.loading, body.p + HIGHER, self.crack_p + HIGHER)
+        return BoundaryModel(
+            self.part,
+            body.material,
+            body.loading,
+            body.p + HIGHER,
+            self.crack_p + HIGHER,
+            contact=self.contact,
+        )
 
     def with_error(self, figure: Callable[[BoundaryModel], Array]) -> tuple[Array, Array]:
         """A figure (k, components) of the model, and the estimated error (k,) of its rows by the finer model.
@@ -126,7 +143,12 @@ class BoundaryModel:
         traction = np.concatenate([body.crack_rows[key][1] for key in keys])
         own = of_cracks(c, c.z, np.repeat(np.arange(len(c.starts)), c.p))
         D = traction_of(own.P, own.Q, -1.0, np.repeat(c.direction, c.p)).real()
-        jump = la.solve(D - R @ X, -traction - R @ base)
+        self.touching = np.zeros(len(c.z), dtype=bool)
+        if self.contact:
+            along = np.repeat(c.direction, c.p)
+            jump, self.touching = held_closed(D - R @ X, -traction - R @ base, along)
+        else:
+            jump = la.solve(D - R @ X, -traction - R @ base)
         self.c = jump[::2] + 1j * jump[1::2]
         return base - X @ jump
 
@@ -172,6 +194,36 @@ class BoundaryModel:
             K = np.conj(along) / abs(along) * np.sqrt(np.pi / 2) * jump
             result[c.tip[k]] = K.imag, K.real
         return result
+
+    def t_stresses(self) -> Array:
+        """T-stress (k,) at every tip of the part, MPa: the stress along the crack that does not grow towards the tip.
+
+        It is what the mean of both faces' stress along the crack tends to: all that is singular differs in sign there.
+        """
+        c = self.cracks
+        result = np.empty(len(self.part.tips))
+        if c is None:
+            return result
+        along = at_tip(c.p)
+        for k in np.flatnonzero(c.is_tip):
+            targets = c.z[k * c.p : (k + 1) * c.p]
+            own = of_cracks(c, targets, np.full(c.p, k))
+            P = self._from_boundary(targets)[0] + own.P @ self.c
+            result[c.tip[k]] = along @ (4 * P.real)
+        return result
+
+    def energy_release_rates(self) -> Array:
+        """G, which is J, (k,) of every tip of the part, N/mm."""
+        K = self.stress_intensities()
+        return (K**2).sum(axis=1) / self.body.E
+
+    def opening(self) -> tuple[Array, Array]:
+        """Points (m, 2) of the cracks, and how far their faces are apart there (m,), mm; negative if they overlap."""
+        c = self.cracks
+        if c is None:
+            return np.empty((0, 2)), np.empty(0)
+        opening = opening_of(self.c, np.repeat(c.direction, c.p)) * self.body.scale
+        return np.column_stack([c.z.real, c.z.imag]), opening
 
     def panel_length(self, points: Array) -> Array:
         """Length (k,) of the panels next to points (k, 2), mm."""
@@ -247,14 +299,18 @@ class BoundaryModel:
 
         return self._by_depth(points, at_surface, self._stress_inside)
 
-    def _stress_inside(self, points: Array) -> Array:
-        """Stress (k, 3) by the kernels."""
-        targets = points[:, 0] + 1j * points[:, 1]
+    def _from_boundary(self, targets: Complex) -> tuple[Complex, Complex]:
+        """P and Q (t,) of the boundary's densities at targets (t,)."""
         P, Q = stress_of_boundary(self.panels, targets)
         P_jumps, Q_jumps = stress_of_jumps(self.body.begins, targets)
         one = P @ (self.g + self.q) + P_jumps @ self.jumps
         other = Q @ (self.g + self.q) + P @ (self.body.kappa * self.q - self.g).conj()
-        other += Q_jumps @ self.jumps + P_jumps @ (self.body.kappa * self.jumps).conj()
+        return one, other + Q_jumps @ self.jumps + P_jumps @ (self.body.kappa * self.jumps).conj()
+
+    def _stress_inside(self, points: Array) -> Array:
+        """Stress (k, 3) by the kernels."""
+        targets = points[:, 0] + 1j * points[:, 1]
+        one, other = self._from_boundary(targets)
         if self.cracks is not None:
             cracks = of_cracks(self.cracks, targets, np.full(len(targets), -1))
             one = one + cracks.P @ self.c

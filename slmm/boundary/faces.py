@@ -1,0 +1,67 @@
+"""The faces of cracks: how far they open, where they would overlap, and what holds them closed there."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as la
+from numpy.typing import NDArray
+
+from slmm.boundary.rules import Array, Complex
+
+#: overlaps below this share of the largest jump are round-off, and closed places are sought so many times at most
+#: (both chosen)
+ROUND_OFF, MOST_TRIES = 1e-9, 50
+
+
+class FacesError(ValueError):
+    """No set of closed places leaves all others open."""
+
+
+def opening_of(jump: Complex, direction: Complex) -> Array:
+    """Opening (m,) of jumps (m,) on lines along directions (m,), negative where faces overlap."""
+    return (jump * direction.conj()).imag
+
+
+def held_closed(S: Array, load: Array, direction: Complex) -> tuple[Array, NDArray[np.bool_]]:
+    """Jumps (2 m,) that nowhere overlap, and where faces touch (m,), without friction.
+
+    Parameters
+    ----------
+    S : ndarray, shape (2 m, 2 m)
+        From jumps to the resultant force along the cracks, which is i times the traction.
+    load : ndarray, shape (2 m,)
+        What jumps must cause where faces are free.
+    direction : ndarray, shape (m,)
+        Along the cracks.
+
+    Raises
+    ------
+    FacesError
+        When the search for the places that touch does not end.
+    """
+    m = len(direction)
+    turn = np.zeros((m, 2, m, 2))
+    k = np.arange(m)
+    turn[k, 0, k, 0] = turn[k, 1, k, 1] = direction.real
+    turn[k, 0, k, 1], turn[k, 1, k, 0] = direction.imag, -direction.imag
+    # along the crack, and across
+    Q = turn.reshape(2 * m, 2 * m)
+    local, acts = Q @ S @ Q.T, Q @ load
+    across = np.arange(2 * m) % 2 == 1
+    closed = np.zeros(m, dtype=bool)
+    for _ in range(MOST_TRIES):
+        # the normal traction is the part of the force along the crack; that of the jump is across
+        free = np.ones(2 * m, dtype=bool)
+        free[across] = ~closed
+        kept = np.ones(2 * m, dtype=bool)
+        kept[~across] = ~closed
+        jump = np.zeros(2 * m)
+        jump[free] = la.solve(local[np.ix_(kept, free)], acts[kept])
+        tension = (local @ jump - acts)[~across]
+        opening = jump[across]
+        overlaps = opening < -ROUND_OFF * np.abs(jump).max(initial=1e-300)
+        now = (closed & (tension <= 0)) | overlaps
+        if (now == closed).all():
+            return Q.T @ jump, closed
+        closed = now
+    raise FacesError(f"cracks: no set of places where the faces touch was found in {MOST_TRIES} trials")

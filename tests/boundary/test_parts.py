@@ -1,0 +1,211 @@
+"""Parts of any outline by boundary integrals: against formulas, high-order values, body-fitted models, and turned."""
+
+import numpy as np
+import pytest
+
+from slmm.boundary.model import BoundaryModel
+from slmm.fem.mesh import plate_mesh
+from slmm.fem.plate_model import PlateModel
+from slmm.mechanics.material import Material
+from slmm.part.outline import Outline
+from slmm.part.part import Part
+from slmm.part.shapes import circle
+from slmm.part.span import Span
+from slmm.scene.loading import Affine, Condition, Loading, plate_loading
+from slmm.scene.scene import Scene
+
+STEEL = Material(3000.0, 0.3, 50.0, 1.0)
+INNER, OUTER = 10.0, 20.0
+RING = Part.within(Outline.through(circle((0, 0), OUTER)), [Outline.through(circle((0, 0), INNER))])
+HELD = Affine(), Affine()
+
+
+def all_of(outline, **acts):
+    at = tuple(outline.points(0.0).tolist())
+    return Condition(at, at, span=Span(outline, outline.length, 0.0), **acts)
+
+
+def test_a_rectangle_as_a_part_is_the_plate():
+    corners = [(0, 0), (40, 0), (40, 60), (0, 60)]
+    outline = Outline.of_pieces([[a, b] for a, b in zip(corners, corners[1:] + corners[:1], strict=True)])
+    hole, crack = Outline.through(circle((20, 30), 8.0)), [[(0, 15), (6, 15)]]
+    loading = plate_loading(40.0, 60.0, displacement=0.1)
+    plate, part = (
+        BoundaryModel(each, STEEL, loading)
+        for each in (Part.plate(40.0, 60.0, [hole], crack), Part.within(outline, [hole], crack))
+    )
+    assert part.part.cracks[0].start == ("surface", 1)
+    np.testing.assert_allclose(part.stress_intensities(), plate.stress_intensities(), rtol=1e-9)
+    np.testing.assert_allclose(
+        part.reaction(loading.conditions[1]), plate.reaction(loading.conditions[1]), rtol=1e-9
+    )
+
+
+def test_pressure_in_a_ring():
+    """Lamé: displacement to 1e-5, and from eight to twelve points the hoop stress converges by the order."""
+    E, nu, pressure = STEEL.E, STEEL.nu, 5.0
+    loading = Loading((all_of(RING.holes[0], pressure=pressure),))
+    A = pressure * INNER**2 / (OUTER**2 - INNER**2)
+    wanted = [(A / E) * ((1 - nu) * r + (1 + nu) * OUTER**2 / r) for r in (INNER, OUTER)]
+    errors = []
+    for p in (8, 10, 12):
+        model = BoundaryModel(RING, STEEL, loading, p)
+        # a rigid motion is free: the hole's width
+        ends = model.displacement(np.array([[INNER, 0.0], [-INNER, 0.0], [OUTER, 0.0], [-OUTER, 0.0]]))[:, 0]
+        widths = 0.5 * (ends[::2] - ends[1::2])
+        errors.append(np.abs(widths / wanted - 1).max())
+        hoop = model.stress(np.array([[INNER, 0.0]]))[0, 1]
+        errors.append(abs(hoop / (A * (1 + OUTER**2 / INNER**2)) - 1))
+    assert errors[0] < 1e-5
+    assert errors[1] < 5e-4 and errors[3] < errors[1] / 10 and errors[5] < errors[3] / 5
+
+
+def test_a_hole_that_is_held_and_a_rim_that_is_pressed():
+    E, nu = STEEL.E, STEEL.nu
+    loading = Loading((all_of(RING.holes[0], displacement=HELD), all_of(RING.rim, pressure=3.0)))
+    model = BoundaryModel(RING, STEEL, loading, 10)
+    # u = C r + D/r, 0 at the hole
+    ratio = -(INNER**2)
+    C = -3.0 / (E / (1 - nu**2) * ((1 + nu) - (1 - nu) * ratio / OUTER**2))
+    u = model.displacement(np.array([[OUTER, 0.0], [0.0, 15.0]]))
+    assert u[0, 0] == pytest.approx(C * (OUTER + ratio / OUTER), rel=1e-6)
+    assert u[1, 1] == pytest.approx(C * (15.0 + ratio / 15.0), rel=1e-6)
+    radial = E / (1 - nu**2) * C * ((1 + nu) - (1 - nu) * ratio / INNER**2)
+    assert model.stress(np.array([[INNER, 0.0]]))[0, 0] == pytest.approx(radial, rel=1e-4)
+
+
+def test_a_rim_that_turns_about_a_hole_that_is_held_is_in_shear():
+    angle = 1e-3
+    turned = Affine(0.0, 0.0, -angle), Affine(0.0, angle, 0.0)
+    loading = Loading((all_of(RING.holes[0], displacement=HELD), all_of(RING.rim, displacement=turned)))
+    model = BoundaryModel(RING, STEEL, loading, 10)
+    D = angle * OUTER / (1 / OUTER - OUTER / INNER**2)
+    G = STEEL.E / (2 * (1 + STEEL.nu))
+    shear = model.stress(np.array([[INNER, 0.0], [15.0, 0.0]]))[:, 2]
+    np.testing.assert_allclose(shear, -2 * G * D / np.array([INNER, 15.0]) ** 2, rtol=1e-4)
+
+
+def compact_tension(depth, force=600.0):
+    return Scene.from_dict(
+        {
+            "part": {
+                "outline": {
+                    "shape": "rectangle",
+                    "center": [15, 0],
+                    "size": [50, 48],
+                    "corner_radius": 0.0,
+                },
+                "thickness": 10.0,
+            },
+            "holes": [{"shape": "circle", "center": [0, y], "radius": 5.0} for y in (11, -11)],
+            "cracks": [{"points": [[-10, 0], [40 * depth, 0]]}],
+            "material": {"name": "PMMA"},
+            "boundary": [{"on": "hole 0", "pin": [0, force]}, {"on": "hole 1", "pin": [0, -force]}],
+        }
+    )
+
+
+@pytest.mark.parametrize(("depth", "f"), [(0.45, 8.3116), (0.55, 11.3202)])
+def test_compact_tension_has_its_high_order_value(depth, f):
+    """A slit in place of the notch, pins as cosine pressure: ../shared/boundary_integrals.md."""
+    scene = compact_tension(depth)
+    K, error = BoundaryModel(scene.part, scene.material, scene.loading).with_error(
+        BoundaryModel.stress_intensities
+    )
+    factor = 10.0 * np.sqrt(40.0) / 600.0
+    assert K[0, 0] * factor == pytest.approx(f, rel=3e-5)
+    assert abs(K[0, 1]) < 1e-6 * K[0, 0]
+    assert error[0] * factor < 1e-4 * f
+
+
+def half_disk(turn=0.0, mirror=False, size=1.0):
+    """Semi-circular bend, supports half a diameter apart, a crack of half the radius; turned, mirrored or larger."""
+    R = 50.0
+
+    def placed(*points):
+        z = np.array([complex(*point) for point in points]) * size
+        z = (-z.conj() if mirror else z) * np.exp(1j * turn)
+        return np.column_stack([z.real, z.imag]).tolist()
+
+    force = complex(0.0, -1.0) * size * np.exp(1j * turn)
+    outline = {
+        "shape": "polygon",
+        "points": placed((-R, 0), (R, 0), (R, R), (-R, R)),
+        "corner_radii": [0.0, 0.0, R * size, R * size],
+    }
+    if mirror:
+        outline["corner_radii"] = [0.0, 0.0, R * size, R * size]
+    ((left, right, top),) = (placed((-25.0, 0.0), (25.0, 0.0), (0.0, R)),)
+    up = [-0.5 * force.real / size, -0.5 * force.imag / size]
+    return Scene.from_dict(
+        {
+            "part": {"outline": outline},
+            "cracks": [{"points": placed((0.0, 0.0), (2.0, 25.0))}],
+            "material": {"name": "PMMA"},
+            "boundary": [
+                {"at": left, "width": 0.5 * size, "force": [size * t for t in up]},
+                {"at": right, "width": 0.5 * size, "force": [size * t for t in up]},
+                {"at": top, "width": 0.5 * size, "force": [force.real, force.imag]},
+            ],
+        }
+    )
+
+
+def intensities(scene):
+    return BoundaryModel(scene.part, scene.material, scene.loading).stress_intensities()[0]
+
+
+def test_a_part_turned_mirrored_or_larger_has_the_same_crack():
+    K = intensities(half_disk())
+    np.testing.assert_allclose(intensities(half_disk(turn=0.7)), K, rtol=1e-8)
+    np.testing.assert_allclose(intensities(half_disk(mirror=True)), [K[0], -K[1]], rtol=1e-8)
+    # the same traction on three times as large a part
+    np.testing.assert_allclose(intensities(half_disk(size=3.0)), np.sqrt(3.0) * K, rtol=1e-8)
+
+
+def test_semi_circular_bend_has_its_high_order_value():
+    R, width = 50.0, 0.1
+    scene = half_disk().with_(
+        cracks=[{"points": [[0.0, 0.0], [0.0, 25.0]]}],
+        boundary=[
+            {"at": [-25.0, 0.0], "width": width, "force": [0.0, 0.5]},
+            {"at": [25.0, 0.0], "width": width, "force": [0.0, 0.5]},
+            {"at": [0.0, R], "width": width, "force": [0.0, -1.0]},
+        ],
+    )
+    assert intensities(scene)[0] * 2 * R / np.sqrt(np.pi * 25.0) == pytest.approx(3.6119, rel=2e-5)
+
+
+def test_a_lug_agrees_with_a_body_fitted_model_and_carries_its_pin():
+    scene = Scene.from_dict(
+        {
+            "part": {
+                "outline": {
+                    "shape": "polygon",
+                    "points": [[0, -15], [60, -15], [60, 15], [0, 15]],
+                    "corner_radii": [0.0, 15.0, 15.0, 0.0],
+                },
+                "thickness": 8.0,
+            },
+            "holes": [{"shape": "circle", "center": [45, 0], "radius": 6.0}],
+            "material": {"name": "PMMA"},
+            "boundary": [
+                {"from": [0, 15], "to": [0, -15], "displacement": [0.0, 0.0]},
+                {"on": "hole 0", "pin": [4000.0, 0.0]},
+            ],
+        }
+    )
+    held, pin = scene.loading
+    model = BoundaryModel(scene.part, scene.material, scene.loading)
+    np.testing.assert_allclose(model.reaction(held), [-500.0, 0.0], atol=1e-4)
+    np.testing.assert_allclose(model.reaction(pin), [500.0, 0.0], atol=1e-4)
+    fitted = PlateModel(
+        plate_mesh(scene.part, nodes_at=scene.loading.ends).refined(), scene.material, scene.loading
+    )
+    np.testing.assert_allclose(fitted.reaction(held), [-500.0, 0.0], atol=1e-2)
+    points = np.array(
+        [[51.0, 0.0], [45.0, 6.0], [45 + 6 * np.cos(0.6), 6 * np.sin(0.6)], [30.0, 15.0], [55.0, 0.0]]
+    )
+    np.testing.assert_allclose(model.stress(points), fitted.stress(points), atol=1.0)
+    inside = np.array([[30.0, 2.0], [53.0, 8.0]])
+    np.testing.assert_allclose(model.displacement(inside), fitted.displacement(inside), rtol=1e-3)
