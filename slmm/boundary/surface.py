@@ -11,6 +11,9 @@ from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex, slopes_at, values_at
 from slmm.part.part import Part
 
+#: distances to two sides of a corner are the same within; round-off
+SAME = 1e-9
+
 
 class Feet(NamedTuple):
     """The nearest points of the boundary.
@@ -46,7 +49,7 @@ def feet(part: Part, panels: Panels, points: Array) -> Feet:
         x, y = hole.points(s).T
         tx, ty = hole.tangents(s).T
         foot, tangent = x + 1j * y, -(tx + 1j * ty)
-        depth = ((z - foot) * np.conj(1j * tangent)).real
+        depth = _depth(z, foot, tangent)
         of_hole = np.flatnonzero(panels.hole == k)
         if not len(of_hole):
             continue
@@ -67,11 +70,21 @@ def _on_edges(panels: Panels, rows: NDArray[np.int64], z: Complex) -> Feet:
     along = b - a
     share = np.clip(((z[:, None] - a) / along).real, 0.0, 1.0)
     foot = a + share * along
-    best = np.abs(z[:, None] - foot).argmin(axis=1)
+    tangent = along / np.abs(along)
+    distance = np.abs(z[:, None] - foot)
+    inwards = ((z[:, None] - foot) * np.conj(1j * tangent)).real
+    # at a corner, of both sides that from which the point stands off most tells on which side of the surface it is
+    nearest = distance <= distance.min(axis=1, keepdims=True) * (1 + SAME)
+    best = np.where(nearest, np.abs(inwards), -1.0).argmax(axis=1)
     k = np.arange(len(z))
-    tangent = (along / np.abs(along))[best]
-    depth = ((z - foot[k, best]) * np.conj(1j * tangent)).real
-    return Feet(rows[best], 2 * share[k, best] - 1, foot[k, best], tangent, depth)
+    at = foot[k, best]
+    return Feet(rows[best], 2 * share[k, best] - 1, at, tangent[best], _depth(z, at, tangent[best]))
+
+
+def _depth(z: Complex, foot: Complex, tangent: Complex) -> Array:
+    """Distance (n,) from the nearest points of the boundary, which may be corners, negative beyond it, mm."""
+    inwards = ((z - foot) * np.conj(1j * tangent)).real
+    return np.where(inwards < 0, -1.0, 1.0) * np.abs(z - foot)
 
 
 def _on_hole(
