@@ -17,7 +17,6 @@ from slmm.criteria.status import Status
 from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
-from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
@@ -193,8 +192,11 @@ def failure_arrays(
         answer = source.answer(task)
     if refined and not severed:
         task, answer = with_peaks(task, answer, source.answer)
-    # behind the method, which need not be dearer for what the picture of the notch leaves open
-    add_outline_error(task, answer)
+    if any(outline.accuracy is not None for outline in scene.outlines):
+        from slmm.initiation.outline_error import add_outline_error  # imports asymptotics
+
+        # behind the method, which need not be dearer for what the picture of the notch leaves open
+        add_outline_error(task, answer)
     bound = upper_bounds(task, answer)
     facts: dict[str, object] = {"method": method}
     if criterion is not None:

@@ -26,8 +26,10 @@ def checksum(model: xr.Dataset | LabelledArrays) -> str:
         values = np.ascontiguousarray(model[name].values)
         if values.dtype.kind not in "fiu":
             values = np.array([str(v) for v in values.ravel()], dtype="U64")
+        else:
+            values = values.astype("<f8", copy=False)
         digest.update(f"{name}{values.shape}".encode())
-        digest.update(values.astype("<f8").tobytes() if values.dtype.kind in "fiu" else values.tobytes())
+        digest.update(values.data)
     return digest.hexdigest()
 
 
