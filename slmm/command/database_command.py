@@ -12,7 +12,7 @@ from rich.table import Table
 from slmm.command.terminal import console, refusals
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from slmm.running.labelled import LabelledArrays
 
 
 def info(
@@ -29,7 +29,7 @@ def info(
         _print_database(path, read_cells(path))
 
 
-def _print_database(path: Path, cells: xr.Dataset) -> None:
+def _print_database(path: Path, cells: LabelledArrays) -> None:
     attrs = cells.attrs
     lines = {
         "file": f"{path}, {path.stat().st_size / 1e6:.2f} MB",
@@ -46,7 +46,7 @@ def _print_database(path: Path, cells: xr.Dataset) -> None:
         axis = cells[name]
         values = ", ".join(f"{value:.4g}" for value in axis.values)
         unit = "" if axis.attrs["units"] == "1" else f" {axis.attrs['units']}"
-        lines[name] = f"{axis.size} values, {axis.attrs['long_name']}: {values}{unit}"
+        lines[name] = f"{len(axis.values)} values, {axis.attrs['long_name']}: {values}{unit}"
     powers = zip(cells["mode_direction"].values, cells["mode_p"].values, cells["mode_q"].values, strict=True)
     names = ", ".join(f"{('xi', 'eta')[int(d)]}:{_monomial(int(p), int(q))}" for d, p, q in powers)
     lines["modes"] = f"{cells.sizes['mode']} (direction:displacement): {names}"

@@ -27,7 +27,7 @@ from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS
 from slmm.running.whole_file import whole_file
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from slmm.running.labelled import LabelledArrays
 
 #: positions in the table
 LISTED = 10
@@ -94,9 +94,9 @@ def initiation(
         inputs = [scene_file, database, displacements, *(getattr(hole, "file", None) for hole in scene.holes)]
         check_no_input(inputs, {"-o": output, "--plot": plot})
         with progress_bar() as progress, word_on_compilation():
-            from slmm import failure_indices
+            from slmm.initiation.failure import failure_arrays
 
-            result = failure_indices(
+            result = failure_arrays(
                 scene,
                 method=method,
                 positions=positions,
@@ -112,7 +112,7 @@ def initiation(
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
                 with whole_file(output) as unfinished:
-                    result.to_netcdf(unfinished, engine="netcdf4")
+                    result.dataset().to_netcdf(unfinished, engine="netcdf4")
             if plot is not None:
                 progress(1.0, "picture")
                 from slmm.pictures.figure_file import write_figure
@@ -123,7 +123,7 @@ def initiation(
                     from slmm.results.results import read_displacements
 
                     model = read_displacements(displacements, field=field)
-                figure = plot_initiation(scene, result, model)
+                figure = plot_initiation(scene, result.dataset(), model)
                 write_figure(figure, plot)
         from slmm.initiation import summary
         from slmm.initiation.verdict import conclude
@@ -139,7 +139,7 @@ def initiation(
             raise typer.Exit(1)
 
 
-def _print_result(result: xr.Dataset) -> None:
+def _print_result(result: LabelledArrays) -> None:
     from slmm.initiation.summary import by_criticality, methods_used, position_record, status_counts, verdict
     from slmm.initiation.verdict import conclude, remedy
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import sys
 import warnings
@@ -37,7 +38,12 @@ class Application(typer.Typer):
         """Run the command that the arguments name."""
         replace_what_cannot_be_encoded(sys.stdout)
         replace_what_cannot_be_encoded(sys.stderr)
-        return super().__call__(*arguments, **options)
+        try:
+            return super().__call__(*arguments, **options)
+        finally:
+            # The process ends here, and all it holds with it. Python would search it for cycles first, several times,
+            # which takes longer than the solve of a circle; files and processes are closed by their owners.
+            gc.freeze()
 
 
 class _Plain(Console):

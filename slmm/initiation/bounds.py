@@ -11,9 +11,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from slmm.boundary.panels import TooManyPointsError
 from slmm.criteria.status import Status
-from slmm.fem.triangulation import MesherError
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.uncracked import WithStress
 
@@ -76,6 +74,9 @@ def _strength(task: Task, whole_path: bool) -> np.ndarray:
 
 def _model(task: Task) -> WithStress | None:
     """A model whose stress is good at surfaces; None where there is none."""
+    from slmm.boundary.panels import TooManyPointsError
+    from slmm.fem.triangulation import MesherError
+
     try:
         if find_spec("netgen") is not None:
             from slmm.initiation.by_dislocations import body_fitted_model

@@ -5,10 +5,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from slmm import __version__
 from slmm.criteria.coupled import GOVERNED_BY
@@ -18,16 +17,19 @@ from slmm.criteria.status import Status
 from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
-from slmm.initiation.outline_error import add_outline_error
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import find_peaks, positions_at
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.uncracked import UncrackedField
+from slmm.running.labelled import LabelledArrays, Variable
 from slmm.running.progress import Progress, silent
 from slmm.scene.plausible import UnusualValueWarning, unusual_values
 from slmm.scene.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: times that positions are added where the index is largest; chosen
 ROUNDS = 4
@@ -119,8 +121,39 @@ def failure_indices(
     >>> round(float(result.failure_index[0]), 1)
     9.3
     """
+    return failure_arrays(
+        scene,
+        method,
+        positions,
+        curves,
+        settings,
+        database,
+        average,
+        tolerance,
+        displacements,
+        progress,
+        field,
+        criterion,
+    ).dataset()
+
+
+def failure_arrays(
+    scene: Scene,
+    method: str | None = None,
+    positions: int | None = None,
+    curves: bool = False,
+    settings: str | Settings | None = None,
+    database: Path | str | None = None,
+    average: bool | None = None,
+    tolerance: float | None = None,
+    displacements: Any = None,
+    progress: Progress = silent,
+    field: str | None = None,
+    criterion: str | None = None,
+) -> LabelledArrays:
+    """What `failure_indices` makes a dataset of, for who only prints it and need not wait for xarray to load."""
     for text in unusual_values(scene):
-        warnings.warn(text, UnusualValueWarning, stacklevel=2)
+        warnings.warn(text, UnusualValueWarning, stacklevel=3)  # at the caller of failure_indices
     analysis = scene.analysis
     method = analysis.method if method is None else method
     if method not in METHODS:
@@ -159,8 +192,11 @@ def failure_indices(
         answer = source.answer(task)
     if refined and not severed:
         task, answer = with_peaks(task, answer, source.answer)
-    # behind the method, which need not be dearer for what the picture of the notch leaves open
-    add_outline_error(task, answer)
+    if any(outline.accuracy is not None for outline in scene.outlines):
+        from slmm.initiation.outline_error import add_outline_error  # imports asymptotics
+
+        # behind the method, which need not be dearer for what the picture of the notch leaves open
+        add_outline_error(task, answer)
     bound = upper_bounds(task, answer)
     facts: dict[str, object] = {"method": method}
     if criterion is not None:
@@ -174,7 +210,7 @@ def failure_indices(
     if given is not None:
         facts["displacements"] = given.described.get("displacements", given.described["local_model"])
     progress(1.0, "done")
-    return _dataset(task, answer, bound, curves, facts)
+    return _labelled(task, answer, bound, curves, facts)
 
 
 def chosen_criterion(method: str, name: str | None, average: bool) -> Criterion:
@@ -293,9 +329,9 @@ _UNITS = {
 }
 
 
-def _dataset(
+def _labelled(
     task: Task, answer: Answer, bound: np.ndarray, curves: bool, facts: dict[str, object]
-) -> xr.Dataset:
+) -> LabelledArrays:
     with np.errstate(divide="ignore"):
         failure_index = 1 / answer.load_factor
     where = task.where
@@ -318,20 +354,18 @@ def _dataset(
         "control_weight": answer.column("control_weight"),
         "irwin_length_limit": _irwin_length_limit(task.scene, answer),
     }
-    data: dict[str, tuple] = {name: ("position", array) for name, array in (values | answer.columns).items()}
+    values |= answer.columns
     if curves:
-        data |= {
-            name: (("position", "crack"), getattr(answer.curves, name)) for name in ("a", "G_inc", "sigma_I")
-        }
+        sigma_I = answer.curves.sigma_I
         # infinite at a corner or a crack tip
-        data["sigma_I"] = (
-            data["sigma_I"][0],
-            np.where(np.isinf(data["sigma_I"][1]), np.nan, data["sigma_I"][1]),
-        )
-    dataset = xr.Dataset(data)
-    for name in dataset.data_vars:
-        dataset[name].attrs = dict(zip(("units", "long_name"), _UNITS[str(name)], strict=True))
-    dataset.attrs = {"title": task.scene.title, "version": __version__} | answer.described | facts
+        sigma_I = np.where(np.isinf(sigma_I), np.nan, sigma_I)
+        values |= {"a": answer.curves.a, "G_inc": answer.curves.G_inc, "sigma_I": sigma_I}
+    variables = {}
+    for name, array in values.items():
+        units, long_name = _UNITS[name]
+        dims = ("position", "crack")[: array.ndim]
+        variables[name] = Variable(dims, array, {"units": units, "long_name": long_name})
+    attrs = {"title": task.scene.title, "version": __version__} | answer.described | facts
     if unusual := unusual_values(task.scene):
-        dataset.attrs["warnings"] = "; ".join(unusual)
-    return dataset
+        attrs["warnings"] = "; ".join(unusual)
+    return LabelledArrays(variables, attrs)

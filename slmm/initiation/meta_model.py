@@ -13,16 +13,20 @@ import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.polynomial import legendre
 from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import CubicSpline
 
 from slmm.initiation.placement import CELL_LENGTH
 from slmm.running.cell_file import read_cells
+from slmm.running.labelled import LabelledArrays
 from slmm.running.model_file import DatabaseError, shipped
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes; round-off
 RIGID = 1e-7
@@ -197,7 +201,7 @@ def polynomial_matrix(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4)
-def _cells(path: Path, _modified: float) -> xr.Dataset:
+def _cells(path: Path, _modified: float) -> LabelledArrays:
     return read_cells(path)
 
 
@@ -229,7 +233,9 @@ def load_meta_model(nu: float, database: Path | str | None = None) -> MetaModel:
     return _meta_model(path.resolve(), path.stat().st_mtime, round(nu, 12))
 
 
-def interpolate_poisson(cells: xr.Dataset, nu: float, path: Path | str = "database") -> MetaModel:
+def interpolate_poisson(
+    cells: LabelledArrays | xr.Dataset, nu: float, path: Path | str = "database"
+) -> MetaModel:
     """Interpolate a database to one effective Poisson's ratio."""
     depth = CELL_LENGTH + cells["curvature"].values
     if not np.allclose(cells["right_edge"].values, depth):

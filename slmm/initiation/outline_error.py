@@ -36,12 +36,11 @@ IN_IRWIN_LENGTHS, IN_RADII = 3.0, 4.0
 
 
 def add_outline_error(task: Task, answer: Answer) -> None:
-    """Add to the errors of an answer what is open about the outlines, and note it; nothing where these are exact."""
-    if any(outline.accuracy is not None for outline in task.scene.outlines):
-        of_outline = outline_error(task, answer)
-        answer.column("outline_error")[:] = of_outline
-        # where there is no tension, its error is no relative one
-        answer.error = answer.error + np.where(np.isinf(answer.load_factor), 0.0, of_outline)
+    """Add to the errors of an answer what is open about the outlines, and note it."""
+    of_outline = outline_error(task, answer)
+    answer.column("outline_error")[:] = of_outline
+    # where there is no tension, its error is no relative one
+    answer.error = answer.error + np.where(np.isinf(answer.load_factor), 0.0, of_outline)
 
 
 def outline_error(task: Task, answer: Answer) -> np.ndarray:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
+
+from slmm.running.labelled import LabelledArrays
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
-def index_with_error(result: xr.Dataset, i: int) -> str:
+def index_with_error(result: LabelledArrays | xr.Dataset, i: int) -> str:
     """Failure index of position i, with its estimated error where the method has one.
 
     Examples
     --------
+    >>> import xarray as xr
     >>> index_with_error(xr.Dataset({"failure_index": ("p", [0.9]), "failure_index_error": ("p", [0.0123])}), 0)
     '0.900 ± 0.012'
     """
@@ -25,10 +30,14 @@ def index_with_error(result: xr.Dataset, i: int) -> str:
     return f"{FI:.{digits}f} ± {error:.{digits}f}"
 
 
-def position_record(result: xr.Dataset, i: int) -> dict[str, Any]:
+def position_record(result: LabelledArrays | xr.Dataset, i: int) -> dict[str, Any]:
     """All single values of position i; None where there is none."""
-    values = {name: result[name].values[i] for name in result.data_vars if result[name].dims == ("position",)}
-    return {"position": i, **{str(name): plain(value) for name, value in values.items()}}
+    values = {
+        str(name): variable.values[i]
+        for name, variable in result.variables.items()
+        if variable.dims == ("position",)
+    }
+    return {"position": i, **{name: plain(value) for name, value in values.items()}}
 
 
 def plain(value: Any) -> Any:

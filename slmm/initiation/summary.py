@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from slmm.initiation.record import index_with_error, plain, position_record
 from slmm.initiation.verdict import conclude, remedy
+from slmm.running.labelled import LabelledArrays
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "as_json",
@@ -25,11 +29,12 @@ __all__ = [
 ]
 
 
-def by_criticality(result: xr.Dataset) -> list[int]:
+def by_criticality(result: LabelledArrays | xr.Dataset) -> list[int]:
     """Indices of the positions that have a failure index, the most critical one first.
 
     Examples
     --------
+    >>> import xarray as xr
     >>> by_criticality(xr.Dataset({"failure_index": ("position", [0.2, np.nan, 0.9])}))
     [2, 0]
     """
@@ -38,23 +43,23 @@ def by_criticality(result: xr.Dataset) -> list[int]:
     return [int(i) for i in np.argsort(-FI, kind="stable") if math.isfinite(FI[i])]
 
 
-def status_counts(result: xr.Dataset) -> dict[str, int]:
+def status_counts(result: LabelledArrays | xr.Dataset) -> dict[str, int]:
     """Number of positions by status, the most frequent first."""
     return dict(Counter(str(status) for status in result["status"].values).most_common())
 
 
-def method_used(result: xr.Dataset, i: int) -> str:
+def method_used(result: LabelledArrays | xr.Dataset, i: int) -> str:
     """The method that was asked for, and, where it is another one, that which gave the value of position i."""
     asked, used = str(result.attrs["method"]), str(result["used_method"].values[i])
     return asked if used == asked else f"{asked}: {used}"
 
 
-def methods_used(result: xr.Dataset) -> list[str]:
+def methods_used(result: LabelledArrays | xr.Dataset) -> list[str]:
     """The methods that gave the values, sorted."""
     return sorted({str(result["used_method"].values[i]) for i in by_criticality(result)})
 
 
-def as_json(result: xr.Dataset) -> str:
+def as_json(result: LabelledArrays | xr.Dataset) -> str:
     """All positions as JSON; null where a value is missing."""
     ranked, conclusion = by_criticality(result), conclude(result)
     attrs = dict(result.attrs)
@@ -73,6 +78,6 @@ def as_json(result: xr.Dataset) -> str:
     return json.dumps(content, indent=2, allow_nan=False)
 
 
-def verdict(result: xr.Dataset) -> str:
+def verdict(result: LabelledArrays | xr.Dataset) -> str:
     """What the result says about the whole part, in words; see `slmm.initiation.verdict.conclude`."""
     return conclude(result).says

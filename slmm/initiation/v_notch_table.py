@@ -119,13 +119,13 @@ def read_v_notches(path: Path | str) -> VNotchTable:
     DatabaseError
         When the file is missing, truncated, altered, or of another schema.
     """
-    dataset = read_verified(path, SCHEMA, LAYOUT, "python -m precompute.v_notch")
+    table = read_verified(path, SCHEMA, LAYOUT, "python -m precompute.v_notch")
     return VNotchTable(
-        dataset["opening"].values,
-        dataset["length"].values,
-        np.log(dataset["release"].values),
-        dataset["stress"].values,
-        str(dataset.attrs["checksum"]),
+        table["opening"].values,
+        table["length"].values,
+        np.log(table["release"].values),
+        table["stress"].values,
+        str(table.attrs["checksum"]),
     )
 
 

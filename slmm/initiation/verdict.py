@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from slmm.initiation.record import index_with_error, position_record
+from slmm.running.labelled import LabelledArrays
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: what would give the positions without a value one
 ASK_AUTO = 'ask method "auto", which has dearer ways'
@@ -34,7 +37,7 @@ class Verdict(NamedTuple):
     is_open: bool
 
 
-def conclude(result: xr.Dataset) -> Verdict:
+def conclude(result: LabelledArrays | xr.Dataset) -> Verdict:
     """Whether a crack starts, as far as what is known of every position bears it out.
 
     Parameters
@@ -45,6 +48,7 @@ def conclude(result: xr.Dataset) -> Verdict:
     Examples
     --------
     >>> import numpy as np
+    >>> import xarray as xr
     >>> result = xr.Dataset({
     ...     "failure_index": ("position", [0.4, np.nan]),
     ...     "failure_index_error": ("position", [0.01, np.nan]),
@@ -97,11 +101,12 @@ def conclude(result: xr.Dataset) -> Verdict:
     return Verdict(f"{holds}; one does at {1 / FI:.3f} times the load.", is_open=False)
 
 
-def remedy(result: xr.Dataset) -> str:
+def remedy(result: LabelledArrays | xr.Dataset) -> str:
     """What would give values to the positions that have none; empty where that is not known.
 
     Examples
     --------
+    >>> import xarray as xr
     >>> result = xr.Dataset({"status": ("position", ["ok", "no cell: undercut"])}, attrs={"method": "slmm"})
     >>> remedy(result)
     'ask method "auto", which has dearer ways'
@@ -136,7 +141,7 @@ def _without_index(known: _Known) -> Verdict:
 class _Known:
     """What is known of all positions together."""
 
-    def __init__(self, result: xr.Dataset):
+    def __init__(self, result: LabelledArrays | xr.Dataset):
         self.result = result
         FI = result["failure_index"].values.astype(float)
         status = result["status"].values.astype(str) if "status" in result else np.full(len(FI), "ok")
@@ -209,7 +214,7 @@ class _Known:
         return f"{says} For a verdict {helps}." if helps else says
 
 
-def _place(result: xr.Dataset, i: int) -> str:
+def _place(result: LabelledArrays | xr.Dataset, i: int) -> str:
     """Position i with what was found there."""
     record = position_record(result, i)
     at_tip = record.get("hole", 0) < 0

@@ -63,7 +63,7 @@ def distances_along(start: Array, direction: Array, lines: Lines, beyond: Array 
     >>> distances_along(np.zeros((1, 2)), np.array([[1.0, 0.0]]), square, beyond=2.0)
     array([3.])
     """
-    least = np.ascontiguousarray(np.broadcast_to(np.asarray(beyond, dtype=float), len(start)))
+    least = np.full(len(start), beyond, dtype=float)
     return _nearest(
         np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(direction, dtype=float), *lines, least
     )

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import xarray as xr
-
+from slmm.running.labelled import LabelledArrays
 from slmm.running.model_file import read_verified
 
 #: version of the layout below; a file of another one is refused
@@ -23,7 +22,7 @@ LAYOUT: dict[str, tuple[str, ...]] = {
 }
 
 
-def read_cells(path: Path | str) -> xr.Dataset:
+def read_cells(path: Path | str) -> LabelledArrays:
     """Read a database into memory and verify it.
 
     Raises

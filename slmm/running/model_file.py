@@ -5,24 +5,31 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
+
+from slmm.running.labelled import LabelledArrays, read_netcdf
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class DatabaseError(ValueError):
     """The file is not a model that this version can use; the message says why."""
 
 
-def checksum(dataset: xr.Dataset) -> str:
+def checksum(model: xr.Dataset | LabelledArrays) -> str:
     """SHA-256 over names, shapes and values of all variables and coordinates."""
     digest = hashlib.sha256()
-    for name in sorted(map(str, dataset.variables)):
-        values = np.ascontiguousarray(dataset[name].values)
+    for name in sorted(map(str, model.variables)):
+        values = np.ascontiguousarray(model[name].values)
         if values.dtype.kind not in "fiu":
             values = np.array([str(v) for v in values.ravel()], dtype="U64")
+        else:
+            values = values.astype("<f8", copy=False)
         digest.update(f"{name}{values.shape}".encode())
-        digest.update(values.astype("<f8").tobytes() if values.dtype.kind in "fiu" else values.tobytes())
+        digest.update(values.data)
     return digest.hexdigest()
 
 
@@ -37,7 +44,7 @@ def shipped(name: str) -> Path:
 
 def read_verified(
     path: Path | str, schema: int, layout: Mapping[str, tuple[str, ...]], maker: str
-) -> xr.Dataset:
+) -> LabelledArrays:
     """Read a model into memory and verify it.
 
     Parameters
@@ -59,11 +66,10 @@ def read_verified(
     if not path.is_file():
         raise DatabaseError(f"{path}: no such file; `{maker} -o {path}` makes it")
     try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
-            dataset = opened.load()
+        model = read_netcdf(path)
     except Exception as error:  # HDF5 meets a damaged file with any, AttributeError and MemoryError too
         raise DatabaseError(f"{path}: truncated or not a netCDF file ({error})") from error
-    found = dataset.attrs.get("schema")
+    found = model.attrs.get("schema")
     if found is None:
         raise DatabaseError(f"{path}: not a file of `{maker}` (no schema attribute)")
     if not np.array_equal(found, schema):
@@ -71,8 +77,8 @@ def read_verified(
             f"{path}: schema {found}, this version reads schema {schema}; make it anew with `{maker} -o {path}`"
         )
     for name, dims in layout.items():
-        if name not in dataset.variables or dataset[name].dims != dims:
+        if name not in model or model[name].dims != dims:
             raise DatabaseError(f"{path}: variable {name} with dimensions {dims} is missing")
-    if dataset.attrs.get("checksum") != checksum(dataset):
+    if model.attrs.get("checksum") != checksum(model):
         raise DatabaseError(f"{path}: the contents do not match their checksum, the file has been altered")
-    return dataset
+    return model

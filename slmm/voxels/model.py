@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from slmm.mechanics.stress import plane_stiffness_constants
 from slmm.running.threaded import number_of_threads
@@ -233,7 +232,9 @@ def _conjugate_gradients(
 
 def _check_held(stiffness: NDArray) -> None:
     """Refuse material in pieces, once a solve is slow: whatever is much stiffer than the void counts."""
-    pieces, number = ndimage.label(stiffness > math.sqrt(stiffness.min()))
+    from scipy.ndimage import label  # only a solve that is slow needs it, and it takes long to load
+
+    pieces, number = label(stiffness > math.sqrt(stiffness.min()))
     if number > 1:
         sizes = np.bincount(pieces.ravel())[1:]
         raise NotHeldError(

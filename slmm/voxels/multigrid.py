@@ -103,7 +103,7 @@ class Multigrid:
         self.other = padded_zeros(nx, ny)
         self.products = np.zeros(ny + PADDING)
         self.grids: list[Grid] = []
-        stencil: NDArray[np.float64] | None = None  # of the coarsest grid so far
+        stencil = np.empty((0, 19, 0))  # of the coarsest grid so far
         x, y = np.linspace(0, width, nx + 1), np.linspace(0, height, ny + 1)
         while len(x) * len(y) > DIRECT and min(len(x), len(y)) > 3:
             weights_x, weights_y = _weights(x), _weights(y)
@@ -112,13 +112,10 @@ class Multigrid:
             nx, ny = len(x) - 1, len(y) - 1
             coarse = np.zeros((ny + PADDING, 19, nx + PADDING))
             self.share_work(coarse[:, 0][None])
-            if stencil is None:
-                voxel_stencil.coarsen_voxels(density, exact, weights_x, weights_y, coarse)
-            else:
-                voxel_stencil.coarsen_stencil(stencil, weights_x, weights_y, coarse)
+            voxel_stencil.coarsen(density, exact, stencil, weights_x, weights_y, coarse)
             stencil = coarse
             self._append_grid(stencil, nx, ny, weights_x, weights_y, *_free(free_rows, free_sides, nx))
-        if stencil is None:
+        if not len(stencil):
             stencil = np.zeros((ny + PADDING, 19, nx + PADDING))
             for i in range(1, ny + 2):
                 voxel_kernels.stencil_row(i, density, exact, stencil[i])

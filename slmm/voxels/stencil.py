@@ -233,11 +233,15 @@ def _coarsen_rows(below, at, above, a, c, t, out):
 
 
 @grid_kernel
-def coarsen_voxels(density, c, wx, wy, out):
-    """Galerkin product P^T A P of the voxel model."""
-    rows, last = wy.shape[1] - 1, density.shape[0] - 4
+def coarsen(density, c, stencil, wx, wy, out):
+    """Galerkin product P^T A P of a stencil or, where it has no rows, of the voxel model.
+
+    One kernel for both: its code is long, and every start has to load it.
+    """
+    from_voxels = len(stencil) == 0
+    rows, last = wy.shape[1] - 1, (len(density) if from_voxels else len(stencil)) - 4
     for block in prange((rows + BLOCK - 1) // BLOCK):
-        fine = np.empty((19, density.shape[1]), out.dtype)
+        of_voxels = np.empty((19, density.shape[1]), out.dtype)
         narrow = np.zeros((3, 19, out.shape[2]), out.dtype)
         first = 1 + block * BLOCK
         for i in range(first, min(first + BLOCK, rows + 1)):
@@ -245,26 +249,12 @@ def coarsen_voxels(density, c, wx, wy, out):
             narrow[0] = narrow[2]
             for offset in range(-1 if i == first else 0, 2):
                 if 1 <= f + offset <= last:
-                    stencil_row(f + offset, density, c, fine)
+                    if from_voxels:
+                        stencil_row(f + offset, density, c, of_voxels)
+                        fine = of_voxels
+                    else:
+                        fine = stencil[f + offset]
                     _coarsen_columns(fine, wx, narrow[1 + offset])
-                else:
-                    narrow[1 + offset] = 0
-            _coarsen_rows(narrow[0], narrow[1], narrow[2], wy[1, i - 1], wy[0, i], wy[1, i], out[i])
-
-
-@grid_kernel
-def coarsen_stencil(stencil, wx, wy, out):
-    """Galerkin product P^T A P of a stencil."""
-    rows, last = wy.shape[1] - 1, stencil.shape[0] - 4
-    for block in prange((rows + BLOCK - 1) // BLOCK):
-        narrow = np.zeros((3, 19, out.shape[2]), out.dtype)
-        first = 1 + block * BLOCK
-        for i in range(first, min(first + BLOCK, rows + 1)):
-            f = 2 * i - 1
-            narrow[0] = narrow[2]
-            for offset in range(-1 if i == first else 0, 2):
-                if 1 <= f + offset <= last:
-                    _coarsen_columns(stencil[f + offset], wx, narrow[1 + offset])
                 else:
                     narrow[1 + offset] = 0
             _coarsen_rows(narrow[0], narrow[1], narrow[2], wy[1, i - 1], wy[0, i], wy[1, i], out[i])

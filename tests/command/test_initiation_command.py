@@ -4,11 +4,13 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 from command_line import refused, run
 
 import slmm
+from slmm.initiation import failure
 from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.meta_model import shipped_database
 
@@ -84,13 +86,13 @@ def test_help_lists_all_methods():
 
 
 def test_average_and_tolerance_reach_the_method(scene_file, monkeypatch):
-    real, given = slmm.failure_indices, {}
+    real, given = failure.failure_arrays, {}
 
     def watched(scene, **options):
         given.update(options)
         return real(scene, **options)
 
-    monkeypatch.setattr(slmm, "failure_indices", watched)
+    monkeypatch.setattr(failure, "failure_arrays", watched)
     indices = []
     for options in ((), ("--average", "--tolerance", "0.01")):
         result = run("initiation", scene_file, "--json", *options)
@@ -105,15 +107,19 @@ def test_average_and_tolerance_reach_the_method(scene_file, monkeypatch):
 def test_estimated_errors_and_methods_stand_in_the_table(scene_file, monkeypatch):
     plain = run("initiation", scene_file, "--method", "slmm").stdout
     assert "±" not in plain and "used method" not in plain
-    real = slmm.failure_indices
+    real = failure.failure_arrays
 
     def mixed(scene, **options):
         result = real(scene, **options)
-        result["failure_index_error"] = 0.01 * result["failure_index"]
-        methods = ["slmm+ac"] * 4 + ["asymptotics"] * 3
-        return result.assign(used_method=("position", methods), reason=("position", ["cheapest"] * 7))
+        result["failure_index_error"].values[:] = 0.01 * result["failure_index"].values
+        for name, words in (
+            ("used_method", ["slmm+ac"] * 4 + ["asymptotics"] * 3),
+            ("reason", ["cheapest"] * 7),
+        ):
+            result.variables[name] = result[name]._replace(values=np.array(words))
+        return result
 
-    monkeypatch.setattr(slmm, "failure_indices", mixed)
+    monkeypatch.setattr(failure, "failure_arrays", mixed)
     lines = run("initiation", scene_file).stdout.splitlines()
     assert any("±" in line and "used method" in line for line in lines)
     rows = [line.split() for line in lines if line.rstrip().endswith(("energy   slmm+ac", "asymptotics"))]
@@ -151,7 +157,7 @@ def test_unknown_option_is_refused(scene_file):
     ],
 )
 def test_targets_are_checked_before_the_work(scene_file, tmp_path, monkeypatch, option, name, word):
-    monkeypatch.setattr(slmm, "failure_indices", lambda *_, **__: pytest.fail("worked before it checked"))
+    monkeypatch.setattr(failure, "failure_arrays", lambda *_, **__: pytest.fail("worked before it checked"))
     (tmp_path / "folder.png").mkdir()
     assert refused(run("initiation", scene_file, option, tmp_path / name), option, word)
 
@@ -189,14 +195,15 @@ def test_a_failing_run_destroys_nothing(scene_file, tmp_path, monkeypatch):
 
 
 def test_no_value_anywhere_is_no_success(scene_file, tmp_path, monkeypatch):
-    real = slmm.failure_indices
+    real = failure.failure_arrays
 
     def without_values(*arguments, **settings):
         result = real(*arguments, **settings)
-        result["failure_index"] = result["failure_index"] * float("nan")
-        return result.assign(status=("position", ["no cell"] * 7))
+        result["failure_index"].values[:] = np.nan
+        result.variables["status"] = result["status"]._replace(values=np.array(["no cell"] * 7))
+        return result
 
-    monkeypatch.setattr(slmm, "failure_indices", without_values)
+    monkeypatch.setattr(failure, "failure_arrays", without_values)
     result = run("initiation", scene_file, "-o", tmp_path / "result.nc", "--plot", tmp_path / "result.pdf")
     assert result.exit_code == 1
     assert "7 no cell" in result.stdout

@@ -17,7 +17,7 @@ from slmm.running.model_file import DatabaseError, checksum
 
 @pytest.fixture(scope="module")
 def cells():
-    return read_cells(shipped_database())
+    return read_cells(shipped_database()).dataset()
 
 
 @pytest.fixture(scope="module")

@@ -40,9 +40,9 @@ def database(written, tmp_path):
 
 def test_what_is_written_is_read(written):
     cells = read_cells(written)
-    assert cells["K"].shape == (2, 2, 5, 16, 16)
-    assert cells["stress"].shape == (2, 2, 16, 3, 8)
-    assert cells["compliance"].shape == (2, 2, 4, 3, 3)
+    assert cells["K"].values.shape == (2, 2, 5, 16, 16)
+    assert cells["stress"].values.shape == (2, 2, 16, 3, 8)
+    assert cells["compliance"].values.shape == (2, 2, 4, 3, 3)
     assert cells.attrs["schema"] == SCHEMA
 
 
@@ -71,7 +71,7 @@ def test_truncated_file_is_refused(database, share):
 
 
 def test_file_with_flipped_bytes_is_refused_or_holds_the_same_values(database, written):
-    whole, values = database.read_bytes(), read_cells(written)
+    whole, values = database.read_bytes(), read_cells(written).dataset()
     random = np.random.default_rng(0)
     refused = 0
     for at in random.integers(0, len(whole), 60):
@@ -79,7 +79,7 @@ def test_file_with_flipped_bytes_is_refused_or_holds_the_same_values(database, w
         changed[at] ^= int(random.integers(1, 256))
         database.write_bytes(changed)
         try:
-            assert read_cells(database).equals(values)
+            assert read_cells(database).dataset().equals(values)
         except DatabaseError:
             refused += 1
     assert refused > 10
@@ -131,7 +131,7 @@ def test_file_without_a_variable_is_refused(database, name):
 
 def test_writing_that_fails_leaves_the_old_file(database, monkeypatch):
     before = database.read_bytes()
-    cells = read_cells(database)
+    cells = read_cells(database).dataset()
 
     def fail(self, path, **_):
         path.write_bytes(b"half")
