@@ -146,7 +146,7 @@ def plate_mesh(
         Points of the boundary and of cracks where edges must not be longer than the sizes given, mm.
     nodes_at : ndarray, shape (k, 2), optional
         Points that have to be nodes if they lie on the boundary, as the ends of conditions, mm. Between two of them
-        that are neighbours there are two elements at least.
+        that are neighbours there are four elements at least.
 
     Returns
     -------
@@ -190,7 +190,7 @@ def plate_mesh(
     if nodes_at is not None and len(nodes_at) > 1:
         away = cKDTree(nodes_at).query(nodes_at, k=2)[0][:, 1]
         apart = away > part.tolerance
-        size.prescribe(nodes_at[apart], away[apart] / 2)
+        size.prescribe(nodes_at[apart], away[apart] / 4)
         mouths += list(nodes_at)
     rings = boundary_pieces(body, outlines, np.array(mouths).reshape(-1, 2))
     pieces = [piece for ring in rings for piece in ring]

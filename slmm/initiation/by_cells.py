@@ -77,9 +77,9 @@ def local_field(task: Task) -> UncrackedField:
 
 
 def by_boundary_integrals(scene: Scene) -> bool:
-    """Whether the local model is that: asked for, or because voxels do not know the conditions."""
+    """Whether the local model is that: asked for, or where voxels do not know the conditions."""
     asked = scene.analysis.local_model
-    return asked == "boundary" or (asked == "voxels" and scene.load is None)
+    return asked == "boundary" or (asked == "auto" and scene.load is None)
 
 
 def voxel_model(task: Task) -> LocalModel:

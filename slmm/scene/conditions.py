@@ -21,6 +21,8 @@ from slmm.scene.values import Length, Number, PlanePoint, Table, exactly_one
 Array = NDArray[np.float64]
 Component = Number | Literal["free"]
 
+#: forces below this share of all are round-off
+ROUND_OFF = 1e-9
 #: share of a pin's force that may point aside: its hole is then no circle, nor alike on both sides; chosen
 ASIDE = 1e-3
 
@@ -225,7 +227,8 @@ def _balance(placed: list[_Placed]) -> list[str]:
     work = free_motions(points, held).T @ force.ravel()
     if np.abs(work).max(initial=0.0) <= UNBALANCED * np.abs(force).sum():
         return []
-    x, y = force.sum(axis=0)
+    total = force.sum(axis=0)
+    x, y = np.where(np.abs(total) < ROUND_OFF * np.abs(force).sum(), 0.0, total)
     return [
         "boundary: the part is free to move, and what acts on it does not balance: forces of "
         f"({x:.4g}, {y:.4g}) N for each mm of thickness are left, or a moment; hold it, or balance the loads"

@@ -112,7 +112,8 @@ class Scene(Table):
         if self.plate is not None:
             return Part.plate(self.plate.width, self.plate.height, holes, (), self.plate.thickness)
         assert self.part_table is not None and self._rim is not None
-        return Part.within(self._rim.reversed(), holes, (), self.part_table.thickness)
+        corners = self._rim.polygon(OUTLINE_SAMPLES)[::-1]
+        return Part(corners, holes, (), self.part_table.thickness, self._rim)
 
     @cached_property
     def _rim(self) -> Outline | None:
@@ -223,6 +224,10 @@ class Scene(Table):
             problems += load_problems(self.load, edges_of(self.outlines, width, height), width, height)
         elif not problems:
             problems += self._general_loading[1]
+        if self.load is None and self.analysis.local_model == "voxels":
+            problems.append(
+                'analysis.local_model = "voxels": know [load] on a plate alone; take "boundary" or "body-fitted"'
+            )
         if self.analysis.points is not None:
             problems += position_problems(np.array(self.analysis.points), self.outer)
         if problems:

@@ -124,7 +124,7 @@ class Analysis(Table):
     voxels: Literal["auto"] | Count = "auto"
     void_stiffness: Annotated[Number, Field(ge=1e-9, le=0.1)] = 1e-6
     settings: Literal["default", "published"] = "default"
-    local_model: Literal["voxels", "body-fitted", "boundary"] = "voxels"
+    local_model: Literal["auto", "voxels", "body-fitted", "boundary"] = "auto"
     average: Annotated[bool, Field(strict=True)] = False
     criterion: Criterion | None = None
     tolerance: Annotated[Number, Field(ge=0.0005, le=0.5)] = 0.02
