@@ -19,6 +19,28 @@ def rigid_motions(points: np.ndarray) -> np.ndarray:
     return motions
 
 
+def names_of(points: np.ndarray, free: np.ndarray) -> str:
+    """What rigid motions (2 n, k) of points (n, 2) are: along x or y, a turn.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> rollers = np.array([[False, True], [False, True], [False, False], [False, False]])
+    >>> names_of(corners, free_motions(corners, rollers))
+    'along x'
+    """
+    basis = np.linalg.qr(free)[0]
+    names = [
+        name
+        for name, motion in zip(
+            ("along x", "along y", "to turn"), rigid_motions(points).reshape(-1, 3).T, strict=True
+        )
+        if np.linalg.norm(motion - basis @ (basis.T @ motion)) < 1e-6 * np.linalg.norm(motion)
+    ]
+    # a turn about a point that is held
+    return " and ".join(names or ["to turn"])
+
+
 def free_motions(points: np.ndarray, prescribed: np.ndarray) -> np.ndarray:
     """Rigid motions (2 n, k) of points (n, 2) that prescribed displacements (n, 2) leave free.
 

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
-from slmm.mechanics.rigid import free_motions
+from slmm.mechanics.rigid import free_motions, names_of
 from slmm.part.part import Part
 from slmm.part.span import Span
 from slmm.scene.load_checks import LEAST, UNBALANCED
@@ -224,12 +224,13 @@ def _balance(placed: list[_Placed]) -> list[str]:
     points = np.concatenate([p.points for p in placed])
     held = np.concatenate([np.tile(p.condition.is_held, (len(p.points), 1)) for p in placed])
     force = np.concatenate([p.weights[:, None] * p.tractions for p in placed])
-    work = free_motions(points, held).T @ force.ravel()
+    free = free_motions(points, held)
+    work = free.T @ force.ravel()
     if np.abs(work).max(initial=0.0) <= UNBALANCED * np.abs(force).sum():
         return []
     total = force.sum(axis=0)
     x, y = np.where(np.abs(total) < ROUND_OFF * np.abs(force).sum(), 0.0, total)
     return [
-        "boundary: the part is free to move, and what acts on it does not balance: forces of "
+        f"boundary: the part is free to move {names_of(points, free)}, and what acts on it does not balance: forces of "
         f"({x:.4g}, {y:.4g}) N for each mm of thickness are left, or a moment; hold it, or balance the loads"
     ]

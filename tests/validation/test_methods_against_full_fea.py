@@ -67,6 +67,16 @@ def test_indices_are_those_of_the_last_version():
         assert check.ours < 1e-5, check
 
 
+def test_boundary_integrals_know_rings_and_test_specimens_and_converge_by_order():
+    checks = script("boundary_parts").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+
+
+def test_half_disks_and_a_disk_break_as_in_the_tests():
+    checks = script("part_experiments").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+
+
 def test_boundary_integrals_have_exact_and_high_order_values():
     checks = script("boundary_integrals").main(quick=True)
     assert all(check.holds for check in checks), [check for check in checks if not check.holds]
