@@ -167,8 +167,8 @@ class Outline:
         Examples
         --------
         >>> square = Outline.of_pieces([[(0, 0), (1, 0)], [(1, 0), (1, 1)], [(1, 1), (0, 1)], [(0, 1), (0, 0)]])
-        >>> square.reversed().normals([0.5]).tolist(), np.degrees(square.reversed().corner_angles).round(6).tolist()
-        ([[1.0, 0.0]], [270.0, 270.0, 270.0, 270.0])
+        >>> square.reversed().normals([0.5]).round(6).tolist(), square.reversed().corner_angles.round(6).tolist()
+        ([[1.0, -0.0]], [4.712389, 4.712389, 4.712389, 4.712389])
         """
         a, b, c, d = self.coefficients
         h = np.diff(self.breaks)[:, None]

@@ -38,7 +38,7 @@ class Span:
     >>> from slmm.part.shapes import circle
     >>> hole = Outline.through(circle((0, 0), 10.0))
     >>> quarter = Span(hole, hole.length / 4, 0.0)
-    >>> quarter.points(np.array([0.0, 1.0])).round(9).tolist()
+    >>> quarter.points(np.array([0.0, 1.0])).round(6).tolist()
     [[0.0, 10.0], [10.0, 0.0]]
     >>> quarter.holds(np.array([[10.0, 0.0], [-10.0, 0.0], [7.0, 7.0]])).tolist()
     [True, False, False]
