@@ -7,12 +7,23 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from slmm.part import shapes
 from slmm.part.outline import Outline
 from slmm.part.points import point_problems, polygon_problems, read_points, without_repetition
-from slmm.scene.values import Angle, File, Length, Number, PlanePoint, PlanePoints, Radius, Table, exactly_one
+from slmm.scene.values import (
+    Angle,
+    File,
+    Length,
+    Number,
+    PlanePoint,
+    PlanePoints,
+    Radius,
+    Table,
+    as_lists,
+    exactly_one,
+)
 
 Array = NDArray[np.float64]
 
@@ -194,8 +205,53 @@ class ImageHole(Table):
         return outlines_in_picture(Path(self.file), self.pixel_size, width, height)
 
 
+class PatternHole(Table):
+    """Holes where a smooth function through support points on a square grid is large (Paper D, 2.3).
+
+    ``values`` has the grid's rows, the first one at the top, 1 (or any number) for a hole and 0 for material. The grid
+    fills the plate but for a ``frame``, mm, at its edges; ``length_scale`` is that of the Gaussian kernel over half the
+    spacing, and there is a hole where the function exceeds the ``threshold``.
+    """
+
+    shape: Literal["pattern"]
+    values: Annotated[tuple[tuple[Number, ...], ...], BeforeValidator(as_lists), Field(min_length=1)]
+    frame: Radius = 15.0
+    length_scale: Annotated[Number, Field(gt=0, le=4)] = 2.5
+    threshold: Annotated[Number, Field(gt=0, lt=1)] = 0.5
+
+    @model_validator(mode="after")
+    def _is_square(self) -> Self:
+        n = len(self.values)
+        if any(len(row) != n for row in self.values):
+            raise ValueError(
+                f"values has {n} rows of {[len(row) for row in self.values]}: must have as many as rows"
+            )
+        return self
+
+    def outlines(self, box: Array) -> list[Outline]:
+        """Outlines of all holes."""
+        from slmm.part.level_set import LevelSet  # brings scikit-image
+
+        width, height = (box[1] - box[0]).tolist()
+        if abs(width - height) > 1e-9 * width:
+            raise ValueError(f"a plate of {width:g} x {height:g} mm: a pattern needs a square one")
+        if not 2 * self.frame < width:
+            raise ValueError(f"frame = {self.frame:g}: must leave room in a plate of {width:g} mm")
+        x, y = box.mean(axis=0).tolist()
+        spacing = (width - 2 * self.frame) / len(self.values)
+        level_set = LevelSet(np.array(self.values), (x, y), spacing, self.length_scale, self.threshold)
+        return level_set.outlines()
+
+
 Hole = Annotated[
-    CircleHole | EllipseHole | RectangleHole | PolygonHole | VNotchHole | PointsHole | ImageHole,
+    CircleHole
+    | EllipseHole
+    | RectangleHole
+    | PolygonHole
+    | VNotchHole
+    | PointsHole
+    | ImageHole
+    | PatternHole,
     Field(discriminator="shape"),
 ]
 
@@ -222,4 +278,5 @@ HOLES: dict[str, type[Table]] = {
     "v-notch": VNotchHole,
     "points": PointsHole,
     "image": ImageHole,
+    "pattern": PatternHole,
 }

@@ -39,11 +39,12 @@ Count = Annotated[int, Field(strict=True)]
 PlanePoint = tuple[Coordinate, Coordinate]
 
 
-def _as_lists(value: object) -> object:
+def as_lists(value: object) -> object:
+    """What a table takes, of an array too."""
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-PlanePoints = Annotated[tuple[PlanePoint, ...], BeforeValidator(_as_lists)]
+PlanePoints = Annotated[tuple[PlanePoint, ...], BeforeValidator(as_lists)]
 
 
 def _printable(title: str) -> str:

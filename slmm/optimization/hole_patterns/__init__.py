@@ -1,0 +1,1 @@
+"""Patterns of holes that make a plate tough (Paper D)."""

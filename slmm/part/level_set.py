@@ -1,0 +1,178 @@
+"""Holes where a smooth function is large: it interpolates support points on a grid by Gaussian kernels (Paper D, 2.3).
+
+The kernel is separable, and so are the weights: two small products with the inverse of a matrix along one axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from skimage.measure import find_contours
+
+from slmm.part.outline import Outline
+
+Array = NDArray[np.float64]
+
+#: samples between two support points in which contours are traced, and points of an outline; both chosen: contours that
+#: touch are parted by the saddles' own test, not by the samples
+SAMPLES, POINTS = 24, 40
+#: Newton steps onto the contour, or a saddle, at most, and the step, in spacings, at which they end; round-off
+STEPS, REACHED = 30, 1e-13
+#: a saddle is sought up to so many spacings from where the search began; chosen
+NEAR = 0.75
+
+
+class IslandError(ValueError):
+    """A contour has material within a hole."""
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSet:
+    """Support points on a square grid, 1 for a hole and 0 for material, and the function through them.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, n)
+        At the support points, row 0 at the top; those around them are 0.
+    centre : (float, float)
+        Of the grid, mm.
+    spacing : float
+        Between two support points, 2d in the paper, mm.
+    length_scale : float
+        Of the kernel, over half the spacing; published: 2.5.
+    threshold : float
+        Above which there is a hole; published: 0.5.
+
+    Examples
+    --------
+    >>> one = LevelSet(np.array([[1.0]]), (40.0, 40.0), 16.0)
+    >>> (outline,) = one.outlines()
+    >>> bool(np.abs(one(outline.points(np.linspace(0, outline.length, 50))) - 0.5).max() < 1e-6)
+    True
+    """
+
+    values: Array
+    centre: tuple[float, float]
+    spacing: float
+    length_scale: float = 2.5
+    threshold: float = 0.5
+
+    @cached_property
+    def axis(self) -> Array:
+        """Places of the support points along one axis (m,), in spacings from the middle; the outer two are fixed."""
+        m = len(self.values) + 2
+        return np.asarray(np.arange(m) - (m - 1) / 2, dtype=np.float64)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of the kernels (m, m), by y and x; y upwards."""
+        supports = np.zeros((len(self.axis), len(self.axis)))
+        supports[1:-1, 1:-1] = self.values[::-1]
+        inverse = np.linalg.inv(self._kernel(self.axis, 0))
+        return np.asarray(inverse @ supports @ inverse, dtype=np.float64)
+
+    def _kernel(self, at: Array, order: int) -> Array:
+        """Kernels of all supports (n, m) along one axis at places (n,), in spacings, or their derivatives."""
+        # the length scale is in half spacings
+        rate = (2 / self.length_scale) ** 2
+        gap = at[:, None] - self.axis
+        value = np.exp(-rate * gap**2)
+        if order == 0:
+            return np.asarray(value, dtype=np.float64)
+        factor = -2 * rate * gap if order == 1 else 4 * rate**2 * gap**2 - 2 * rate
+        return np.asarray(factor * value, dtype=np.float64)
+
+    def _derivative(self, places: Array, along_x: int, along_y: int) -> Array:
+        """A derivative (n,) at places (n, 2), in spacings."""
+        x, y = places.T
+        return np.einsum("nj,ji,ni->n", self._kernel(y, along_y), self.weights, self._kernel(x, along_x))
+
+    def __call__(self, points: Array) -> Array:
+        """The function (n,) at points (n, 2), mm."""
+        return self._derivative((points - self.centre) / self.spacing, 0, 0)
+
+    def outlines(self) -> list[Outline]:
+        """Outlines of the holes, from below to above.
+
+        Raises
+        ------
+        IslandError
+            When there is material within a hole.
+        """
+        centre = np.array(self.centre)
+        found = [Outline.through(centre + self.spacing * self._evenly(places)) for places in self.contours()]
+        return sorted(found, key=lambda outline: tuple(outline.box[0][::-1]))
+
+    def contours(self) -> list[Array]:
+        """Traced lines (n, 2) around the holes, in spacings from the middle.
+
+        Raises
+        ------
+        IslandError
+            When there is material within a hole.
+        """
+        if not self.values.any():
+            return []
+        side = np.linspace(self.axis[0], self.axis[-1], SAMPLES * (len(self.axis) - 1) + 1)
+        along = self._kernel(side, 0)
+        field = along @ self.weights @ along.T
+        found = []
+        for contour in find_contours(field, self.threshold, positive_orientation="high"):
+            places = side[0] + contour[:-1, ::-1] * (side[1] - side[0])
+            if len(places) < 4:
+                continue  # a peak that hardly reaches the threshold
+            x, y = places.T
+            # the lines have what is high on one and the same side
+            if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0:
+                at = self.centre + self.spacing * places.mean(axis=0)
+                raise IslandError(f"the pattern has an island of material near ({at[0]:.4g}, {at[1]:.4g})")
+            found.append(places)
+        return found
+
+    def _evenly(self, places: Array) -> Array:
+        """Points (k, 2), in spacings, evenly spaced along a closed line (n, 2) and then exactly on the contour."""
+        ring = shapely.LinearRing(places)
+        count = max(int(np.ceil(POINTS * ring.length)), 4 * POINTS)
+        at = shapely.get_coordinates(
+            shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
+        )
+        for _ in range(STEPS):
+            slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
+            off = self._derivative(at, 0, 0) - self.threshold
+            step = (off / (slope**2).sum(axis=1))[:, None] * slope
+            at = at - step
+            if np.abs(step).max() < REACHED:
+                break
+        return at
+
+    def margin(self) -> float:
+        """How far the nearest saddle of the function is from the threshold: less, and the holes connect otherwise.
+
+        Infinite where there is no saddle.
+        """
+        if not self.values.any():
+            return float("inf")
+        half = np.arange(2 * len(self.axis) - 1) / 2 + self.axis[0]
+        start = np.stack(np.meshgrid(half, half), axis=-1).reshape(-1, 2)
+        at = start.copy()
+        for _ in range(STEPS):
+            slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
+            xx, yy, xy = (self._derivative(at, *order) for order in ((2, 0), (0, 2), (1, 1)))
+            determinant = xx * yy - xy**2
+            determinant = np.where(np.abs(determinant) > 1e-12, determinant, np.inf)
+            step = (
+                np.column_stack([yy * slope[:, 0] - xy * slope[:, 1], xx * slope[:, 1] - xy * slope[:, 0]])
+                / determinant[:, None]
+            )
+            at = at - np.clip(step, -NEAR, NEAR)
+        xx, yy, xy = (self._derivative(at, *order) for order in ((2, 0), (0, 2), (1, 1)))
+        slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
+        is_saddle = (
+            (xx * yy < xy**2) & (np.abs(slope).max(axis=1) < 1e-9) & (np.abs(at - start).max(axis=1) < NEAR)
+        )
+        off = np.abs(self._derivative(at[is_saddle], 0, 0) - self.threshold)
+        return float(off.min(initial=np.inf))
