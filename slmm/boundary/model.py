@@ -20,7 +20,7 @@ from slmm.boundary.densities import (
     traction_of,
 )
 from slmm.boundary.rules import Array, values_at
-from slmm.boundary.surface import Feet, feet, surface_stress
+from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
 from slmm.scene.loading import Condition, Loading
@@ -187,6 +187,27 @@ class BoundaryModel:
         force = np.sum(self.t[on] * np.abs(self.panels.dz[on]))
         return np.array([force.real, force.imag])
 
+    @property
+    def work(self) -> float:
+        """Integral of traction times displacement around the part, N mm for each mm of thickness.
+
+        Twice the energy that is stored.
+        """
+        return float(self.body.scale * np.sum(np.abs(self.panels.dz) * (self.t * self.g.conj()).real))
+
+    @property
+    def hoop(self) -> Array:
+        """Normal stress (n,) along the boundary at the panels' points, MPa: from densities alone, without kernels."""
+        return hoop_stress(self.panels, self.g, self.t, self.body.E, self.body.nu, self.body.scale)
+
+    @property
+    def openings(self) -> Array:
+        """How far the faces of the cracks are apart at their points (m,), mm; negative where they would overlap."""
+        c = self.cracks
+        if c is None:
+            return np.empty(0)
+        return self.body.scale * (np.repeat(c.direction, c.p).conj() * self.c).imag
+
     def displacement(self, points: Array) -> Array:
         """Displacements (k, 2) at points (k, 2), mm; beside the material those of the surface there."""
 
@@ -245,10 +266,10 @@ class BoundaryModel:
                 self.panels, here, self.g, self.t, self.body.E, self.body.nu, self.body.scale
             )
 
-        return self._by_depth(points, at_surface, self._stress_inside)
+        return self._by_depth(points, at_surface, self.stress_inside)
 
-    def _stress_inside(self, points: Array) -> Array:
-        """Stress (k, 3) by the kernels."""
+    def stress_inside(self, points: Array) -> Array:
+        """Stress xx, yy, xy (k, 3) at points (k, 2) that lie `BESIDE` panels deep at least, MPa, by the kernels."""
         targets = points[:, 0] + 1j * points[:, 1]
         P, Q = stress_of_boundary(self.panels, targets)
         P_jumps, Q_jumps = stress_of_jumps(self.body.begins, targets)
