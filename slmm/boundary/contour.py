@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -57,21 +58,15 @@ class Contour:
     panels: Panels
     number: int
 
-    def __post_init__(self) -> None:
-        rows = np.flatnonzero(self.panels.contour == self.number)
-        starts = np.concatenate([[0.0], np.cumsum(self.panels.length[rows])])
-        object.__setattr__(self, "_rows", rows)
-        object.__setattr__(self, "_starts", starts)
-
-    @property
+    @cached_property
     def rows(self) -> NDArray[np.int64]:
         """Its panels (m,), one behind the other."""
-        return self._rows  # type: ignore[attr-defined, no-any-return]
+        return np.flatnonzero(self.panels.contour == self.number)
 
-    @property
+    @cached_property
     def starts(self) -> Array:
         """Way (m + 1,) to where each panel begins, and the last one ends, mm."""
-        return self._starts  # type: ignore[attr-defined, no-any-return]
+        return np.concatenate([[0.0], np.cumsum(self.panels.length[self.rows])])
 
     @property
     def length(self) -> float:

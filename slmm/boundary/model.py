@@ -6,20 +6,14 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as la
 from scipy.spatial import cKDTree
 
 from slmm.boundary.body import Body, check_in_one_piece
 from slmm.boundary.crack_panels import CrackPanels, crack_panels, slope_at_tip
-from slmm.boundary.densities import (
-    displacement_of_boundary,
-    of_cracks,
-    parts,
-    stress_of_boundary,
-    stress_of_jumps,
-    traction_of,
-)
+from slmm.boundary.densities import displacement_of_boundary, of_cracks, stress_of_boundary, stress_of_jumps
+from slmm.boundary.elimination import bordered, jumps
 from slmm.boundary.rules import Array, values_at
+from slmm.boundary.stretches import FINE, MouthGrading
 from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
@@ -43,6 +37,10 @@ class BoundaryModel:
     loading : Loading
     p, crack_p : int
         Gauss points on each panel of the boundary, and of the cracks.
+    body : Body, optional
+        One that serves the part.
+    grading : MouthGrading
+        Of panels towards mouths of cracks.
 
     Attributes
     ----------
@@ -64,18 +62,19 @@ class BoundaryModel:
         p: int = 8,
         crack_p: int = 8,
         body: Body | None = None,
+        grading: MouthGrading = FINE,
     ) -> None:
         """Assemble, factorise and solve; on a ``body`` that serves the part, only what its cracks need."""
         self.crack_p = crack_p
         self._finer_before: BoundaryModel | None = None
         self.part = part
-        self.body = body or Body(part, material, loading, p)
+        self.body = body or Body(part, material, loading, p, grading)
         self.panels = self.body.panels
         self.cracks: CrackPanels | None = None
         solution = self.body.solution
         self.c = np.empty(0, dtype=complex)
         if part.cracks:
-            self.cracks = crack_panels(part, self.panels.z, crack_p)
+            self.cracks = crack_panels(part, self.panels.z, crack_p, self.body.grading.crack)
             solution = self._with_cracks(solution)
         self._take(solution)
 
@@ -84,7 +83,8 @@ class BoundaryModel:
         body = self.body if self.body.serves(part) else None
         if any("crack" in (crack.start.kind, crack.end.kind) for crack in part.cracks):
             check_in_one_piece(part)  # without a new mouth only cracks that meet can sever it
-        grown = BoundaryModel(part, self.body.material, self.body.loading, self.body.p, self.crack_p, body)
+        old = self.body
+        grown = BoundaryModel(part, old.material, old.loading, old.p, self.crack_p, body, old.grading)
         grown._finer_before = self.__dict__.get("finer", self._finer_before)
         return grown
 
@@ -94,7 +94,8 @@ class BoundaryModel:
         if self._finer_before is not None:
             return self._finer_before.with_cracks_of(self.part)
         body = self.body
-        return BoundaryModel(self.part, body.material, body.loading, body.p + HIGHER, self.crack_p + HIGHER)
+        orders = body.p + HIGHER, self.crack_p + HIGHER
+        return BoundaryModel(self.part, body.material, body.loading, *orders, grading=body.grading)
 
     def with_error(self, figure: Callable[[BoundaryModel], Array]) -> tuple[Array, Array]:
         """A figure (k, components) of the model, and the estimated error (k,) of its rows by the finer model.
@@ -115,40 +116,11 @@ class BoundaryModel:
 
     def _with_cracks(self, base: Array) -> Array:
         """The boundary's unknowns with cracks, by elimination of these; sets their jumps."""
-        c, body = self.cracks, self.body
-        assert c is not None
-        keys = [
-            (complex(a), complex(b), bool(tip)) for a, b, tip in zip(c.starts, c.ends, c.is_tip, strict=True)
-        ]
-        self._fill(c, [k for k, key in enumerate(keys) if key not in body.crack_columns], keys)
-        X = np.concatenate([body.crack_columns[key] for key in keys], axis=1)
-        R = np.concatenate([body.crack_rows[key][0] for key in keys])
-        traction = np.concatenate([body.crack_rows[key][1] for key in keys])
-        own = of_cracks(c, c.z, np.repeat(np.arange(len(c.starts)), c.p))
-        D = traction_of(own.P, own.Q, -1.0, np.repeat(c.direction, c.p)).real()
-        jump = la.solve(D - R @ X, -traction - R @ base)
+        assert self.cracks is not None
+        self.body.border = bordered(self.body, self.cracks, self.body.border)
+        jump = jumps(self.body.border)
         self.c = jump[::2] + 1j * jump[1::2]
-        return base - X @ jump
-
-    def _fill(self, cracks: CrackPanels, new: list[int], keys: list[tuple[complex, complex, bool]]) -> None:
-        """Columns and rows of some panels of the cracks, into the body's store."""
-        if not new:
-            return
-        body, p = self.body, cracks.p
-        z = cracks.z.reshape(-1, p)[new].ravel()
-        c = CrackPanels(p, cracks.starts[new], cracks.ends[new], cracks.is_tip[new], cracks.tip[new], z)
-        beside = np.full(self.panels.n, -1)
-        columns = la.lu_solve(body.lu, of_cracks(c, self.panels.z, beside).displacement(body.kappa).real())
-        P, Q = stress_of_boundary(self.panels, z)
-        e = np.repeat(c.direction, p)
-        by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
-        by_jumps = traction_of(*stress_of_jumps(body.begins, z), body.kappa, e)
-        rows = body.in_unknowns(by_g, body.by_tractions(by_q, by_jumps))
-        known = parts(by_g(body.known_g) + by_q(body.known_q) + by_jumps(body.known_jumps))
-        for i, k in enumerate(new):
-            part = slice(2 * p * i, 2 * p * (i + 1))
-            body.crack_columns[keys[k]] = columns[:, part]
-            body.crack_rows[keys[k]] = rows[part], known[part]
+        return np.asarray(base - jump @ self.body.border.columns)
 
     def _take(self, solution: Array) -> None:
         """Densities from the unknowns."""
@@ -157,7 +129,7 @@ class BoundaryModel:
         self.g = body.known_g + np.where(body.held, 0.0, components) @ [1, 1j]
         self.t = body.known_t + np.where(body.held, components, 0.0) @ [1, 1j]
         forces = self.t * 1j / (body.kappa + 1)
-        self.q, self.jumps = body.to_q @ forces, body.to_jumps @ forces
+        self.q, self.jumps = body.resultants(forces), body.to_jumps @ forces
 
     def stress_intensities(self) -> Array:
         """K_I and K_II (k, 2) of every tip of the part, MPa sqrt(mm)."""
