@@ -59,7 +59,7 @@ class Event:
 
     @property
     def rank(self) -> tuple[bool, bool, int, float, float]:
-        """What decides a tie: tips before starts, holes before the edge, the lowest hole, the lowest y, the lowest x."""
+        """What decides a tie: tips before starts, holes before the edge, then the lowest hole, y and x."""
         x, y = self.point.tolist()
         return self.kind is Kind.START, self.hole < 0, self.hole, y, x
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 #: what covers the difference between two orders, as in `slmm.boundary.model`; chosen
 COVERS = 4.0
 ERROR_IS = (
-    f"{COVERS:g} times what a model of the next order changes where the displacement rises, and what steps of stable growth "
-    "leave out; not whether competing events turn the path"
+    f"{COVERS:g} times what a model of the next order changes where the displacement rises, and what steps of stable "
+    "growth leave out; not whether competing events turn the path"
 )
 
 
@@ -93,8 +93,8 @@ def fracture_result(
     competing = int(np.sum(gap < COMPETING))
     result.attrs["competing_events"] = competing
     result["gap"].attrs["comment"] = (
-        f"below {COMPETING:g} events compete, and the path may fork; ties below 1e-5 go to tips before starts, then to the "
-        "lowest hole, y and x"
+        f"below {COMPETING:g} events compete, and the path may fork; ties below 1e-5 go to tips before starts, "
+        "then to the lowest hole, y and x"
     )
     return result
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -52,14 +53,17 @@ class Surroundings:
     """
 
     part: Part
-    _lines: Lines = field(init=False)
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def _lines(self) -> Lines:
         rings = [outline.polygon(CHORDS) for outline in self.part.outlines]
-        if self.part.rim is None:
-            rings.append(self.part.outer)
-        object.__setattr__(self, "_lines", Lines.of(rings, closed=True))
-        shapely.prepare(self.part.body.boundary)
+        return Lines.of(rings if self.part.rim is not None else [*rings, self.part.outer], closed=True)
+
+    @cached_property
+    def _surface(self) -> shapely.Geometry:
+        surface = self.part.body.boundary
+        shapely.prepare(surface)
+        return surface
 
     def increment(
         self, cracks: Part, start: Array, direction: Array, length: float, ahead: float, own: int = -1
@@ -88,7 +92,7 @@ class Surroundings:
         end = start + length * direction
         at = shapely.Point(end)
         thin = THIN / LOOK_AHEAD * ahead
-        for line in (self.part.body.boundary, *map(shapely.LineString, others)):
+        for line in (self._surface, *map(shapely.LineString, others)):
             if shapely.dwithin(line, at, thin):
                 return Increment(shapely.get_coordinates(line.interpolate(line.project(at)))[0], True)
         return Increment(end, False)

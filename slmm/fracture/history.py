@@ -143,7 +143,7 @@ class History:
 
     @property
     def discretisation_error(self) -> float:
-        """By how much U_T changes, mJ, with the stiffnesses and displacements of the finer models where they were asked."""
+        """By how much U_T changes with what finer models gave, where they were asked, mJ."""
         steps = [step for step in self.steps if math.isfinite(step.finer[0])]
         if not steps:
             return math.nan if self.steps else 0.0

@@ -73,15 +73,15 @@ def _may_start(model: BoundaryModel, depth: float) -> NDArray[np.bool_]:
     z, body = model.panels.z, model.body
     free = ~body.held.any(axis=1)
     for mouth in body.mouths:
-        free &= np.abs(z - mouth) > BESIDE_MOUTH * depth
-    return free
+        free = free & (np.abs(z - mouth) > BESIDE_MOUTH * depth)
+    return np.asarray(free)
 
 
 def _stress_below(model: BoundaryModel, where: Places, depth: float) -> Array:
     """Principal stress (k,) at a depth below places, MPa."""
     points = where.points + depth * where.inward
     deep = depth >= BESIDE * model.panels.length.max()
-    return principal_stress(model.stress_inside(points) if deep else model.stress(points))
+    return np.asarray(principal_stress(model.stress_inside(points) if deep else model.stress(points)))
 
 
 def _along_surfaces(model: BoundaryModel, depth: float, hoop: Array, least: float) -> list[Site]:
@@ -96,7 +96,8 @@ def _along_surfaces(model: BoundaryModel, depth: float, hoop: Array, least: floa
             rows = np.flatnonzero(todo & (hoop > max(least, below.max() / BETWEEN)) & np.isneginf(below))
         if len(rows):
             z, normal = panels.z[rows], 1j * panels.tangent[rows]
-            where = Places(*(np.column_stack([v.real, v.imag]) for v in (z, normal)), rows)
+            points, inward = (np.column_stack([v.real, v.imag]) for v in (z, normal))
+            where = Places(points, inward, rows)
             below[rows] = _stress_below(model, where, depth)
     brackets = []
     for number in np.unique(panels.contour):
@@ -154,7 +155,7 @@ def _at_corners(model: BoundaryModel, depth: float) -> list[Site]:
         ends = model.panels.ends.ravel()
         near = np.abs(z[:, None] - ends).argmin(axis=1)
         on_surface = np.abs(ends[near] - z) <= 2 * model.part.tolerance
-        held = model.body.held.any(axis=1).reshape(-1, model.panels.p).any(axis=1)[near // 2]
+        held = model.body.held.reshape(len(model.panels.ends), -1).any(axis=1)[near // 2]
         cut = np.array([bool(np.any(np.abs(np.array(model.body.mouths) - at) <= depth)) for at in z])
         here = np.flatnonzero(on_surface & ~held & ~cut)
         if not len(here):

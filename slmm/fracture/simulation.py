@@ -157,6 +157,7 @@ class Simulation:
     def __init__(
         self, scene: Scene, lengths: Lengths, tolerance: float, largest: float, errors: bool
     ) -> None:
+        """Nothing happens yet."""
         self.part, self.material, self.loading = scene.part, scene.material, scene.loading
         self.conjugate = work_conjugate(self.loading, self.part.thickness)
         self.engine = BoundaryEngine(self.material, self.loading, tolerance)
