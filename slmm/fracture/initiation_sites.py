@@ -155,7 +155,7 @@ def _at_corners(model: BoundaryModel, depth: float) -> list[Site]:
         ends = model.panels.ends.ravel()
         near = np.abs(z[:, None] - ends).argmin(axis=1)
         on_surface = np.abs(ends[near] - z) <= 2 * model.part.tolerance
-        held = model.body.held.reshape(len(model.panels.ends), -1).any(axis=1)[near // 2]
+        held = np.asarray(model.body.held.reshape(len(model.panels.ends), -1).any(axis=1))[near // 2]
         cut = np.array([bool(np.any(np.abs(np.array(model.body.mouths) - at) <= depth)) for at in z])
         here = np.flatnonzero(on_surface & ~held & ~cut)
         if not len(here):

@@ -18,6 +18,7 @@ from slmm.fracture.history import History, Outcome, Step
 from slmm.fracture.work_conjugate import work_conjugate
 from slmm.part.crack import TIP, End
 from slmm.part.part import Part
+from slmm.running.blas import one_blas_thread
 from slmm.running.progress import Progress, silent
 from slmm.scene.scene import Scene
 
@@ -114,7 +115,8 @@ def simulate(
             raise ValueError(f"{name} = {value!r}: must be a positive number")
     lengths = _lengths(scene.part, increment, first_length)
     simulation = Simulation(scene, lengths, tolerance, largest_displacement or math.inf, errors)
-    simulation.run(progress)
+    with one_blas_thread():
+        simulation.run(progress)
     settings = {
         "increment": lengths.growth,
         "first_length": lengths.first,
