@@ -272,10 +272,9 @@ def times() -> list[Check]:
 
 def _on_a_new_store(model: BoundaryModel, part: Part) -> None:
     """An increment whose panels the body has not met."""
-    known = set(model.body.crack_columns)
+    known = model.body.border
     model.with_cracks_of(part).stress_intensities()
-    for key in set(model.body.crack_columns) - known:
-        del model.body.crack_columns[key], model.body.crack_rows[key]
+    model.body.border = known
 
 
 def _least(what: Callable[[], object]) -> float:

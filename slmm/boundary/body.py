@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg as la
@@ -15,9 +16,10 @@ from slmm.boundary.densities import (
     displacement_of_jumps,
     parts,
 )
+from slmm.boundary.elimination import Border
 from slmm.boundary.panels import panelled
 from slmm.boundary.rules import Array, Complex, highest, integration
-from slmm.boundary.stretches import boundary_of
+from slmm.boundary.stretches import FINE, MouthGrading, boundary_of
 from slmm.mechanics.material import Material
 from slmm.mechanics.rigid import free_motions
 from slmm.mechanics.stress import kolosov, shear_modulus
@@ -41,6 +43,7 @@ class Body:
     loading : Loading
     p : int
         Gauss points on each panel.
+    grading : MouthGrading
 
     Attributes
     ----------
@@ -51,21 +54,22 @@ class Body:
         Of the base system.
     solution : ndarray, shape (2 n,)
         Unknowns without cracks.
-    crack_columns, crack_rows : dict
-        What panels of cracks do to the base system and feel of it, by their place: kept while cracks grow.
+    border : Border
+        What panels of cracks do to the base system and feel of it, of the cracks that were seen last.
     """
 
-    def __init__(self, part: Part, material: Material, loading: Loading, p: int) -> None:
+    def __init__(
+        self, part: Part, material: Material, loading: Loading, p: int, grading: MouthGrading = FINE
+    ) -> None:
         """Assemble and factorise."""
         check_in_one_piece(part)
         E, nu = material.plane_stress_equivalent
-        self.part, self.loading, self.material, self.p = part, loading, material, p
+        self.part, self.loading, self.material, self.p, self.grading = part, loading, material, p, grading
         self.E, self.nu, self.mu, self.kappa = E, nu, shear_modulus(E, nu), kolosov(nu)
         self.scale = (self.kappa + 1) / (2 * self.mu)
         self.mouths = mouths_of(part)
-        self.panels = panelled(boundary_of(part, self.mouths, loading), part, tips_of(part), p)
-        self.crack_columns: dict[tuple[complex, complex, bool], Array] = {}
-        self.crack_rows: dict[tuple[complex, complex, bool], tuple[Array, Array]] = {}
+        self.panels = panelled(boundary_of(part, self.mouths, loading, grading.side), part, tips_of(part), p)
+        self.border = Border.none(2 * self.panels.n)
         self._set_conditions()
         self._factorise()
 
@@ -99,18 +103,33 @@ class Body:
         self.known_t = traction @ [1, 1j]
 
     @cached_property
-    def to_q(self) -> Array:
-        """From tractions (n,) to the integrals of i t ds along each contour, over i."""
-        panels, p = self.panels, self.panels.p
+    def _contours(self) -> list[slice]:
+        """Panels of each closed curve, which lie one behind the other."""
+        first = np.flatnonzero(np.diff(self.panels.contour, prepend=-1)).tolist()
+        return [slice(a, b) for a, b in pairwise([*first, len(self.panels.ends)])]
+
+    def resultants(self, values: Array) -> Array:
+        """Integrals (n,) of values (n,) along each closed curve up to each point."""
+        p = self.panels.p
         local = integration(p)
-        length = panels.length
-        m = len(length)
-        matrix = np.zeros((m, p, m, p))
-        for k in range(m):
-            matrix[k, :, k, :] = 0.5 * length[k] * local[:p]
-            later = np.flatnonzero((panels.contour == panels.contour[k]) & (np.arange(m) > k))
-            matrix[later, :, k, :] = 0.5 * length[k] * local[p]
-        return matrix.reshape(m * p, m * p)
+        at = values.reshape(-1, p)
+        half = 0.5 * self.panels.length[:, None]
+        result, whole = half * (at @ local[:p].T), half[:, 0] * (at @ local[p])
+        for panels in self._contours:
+            result[panels] += (np.cumsum(whole[panels]) - whole[panels])[:, None]
+        return result.ravel()
+
+    def by_values(self, by_resultants: Complex) -> Complex:
+        """What is given by resultants with weights (t, n), as weights (t, n) of the values."""
+        p = self.panels.p
+        local = integration(p)
+        at = by_resultants.reshape(len(by_resultants), -1, p)
+        result, whole = at @ local[:p], at.sum(axis=2)
+        for panels in self._contours:
+            later = np.cumsum(whole[:, panels][:, ::-1], axis=1)[:, ::-1] - whole[:, panels]
+            result[:, panels] += later[:, :, None] * local[p]
+        result *= 0.5 * self.panels.length[:, None]
+        return result.reshape(by_resultants.shape)
 
     @cached_property
     def held_rows(self) -> NDArray[np.int64]:
@@ -132,10 +151,13 @@ class Body:
     def by_tractions(self, by_q: Linear, by_jumps: Linear) -> Linear:
         """By the tractions at held points, what is given by q and its jumps."""
         rows, unit = self.held_rows, 1j / (self.kappa + 1)
-        to_q, to_jumps = self.to_q[:, rows] * unit, self.to_jumps[:, rows] * unit
+        if not len(rows):
+            none = np.empty((len(by_q.one), 0), dtype=complex)
+            return Linear(none, none)
+        to_jumps = self.to_jumps[:, rows]
         return Linear(
-            by_q.one @ to_q + by_jumps.one @ to_jumps,
-            by_q.other @ to_q.conj() + by_jumps.other @ to_jumps.conj(),
+            unit * (self.by_values(by_q.one)[:, rows] + by_jumps.one @ to_jumps),
+            np.conj(unit) * (self.by_values(by_q.other)[:, rows] + by_jumps.other @ to_jumps),
         )
 
     def displacement_by_jumps(self, targets: Complex) -> Linear:
@@ -175,7 +197,7 @@ class Body:
         by_g = Linear(by_g.one - (self.kappa + 1) * np.eye(n), by_g.other)
         matrix = self.in_unknowns(by_g, self.by_tractions(by_q, by_jumps).plus(self._unseen()))
         self.known_q, self.known_jumps = (
-            self.to_q @ (self.known_t * unit),
+            self.resultants(self.known_t * unit),
             self.to_jumps @ (self.known_t * unit),
         )
         known = by_g(self.known_g) + by_q(self.known_q) + by_jumps(self.known_jumps)

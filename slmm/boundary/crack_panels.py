@@ -16,9 +16,8 @@ from slmm.boundary.rules import Array, Complex, rule
 from slmm.part.crack import TIP
 from slmm.part.part import Part
 
-#: last panel before a mouth, before a kink, and the panel at a tip, over the segment's length (chosen on the cases of
-#: tests/boundary)
-AT_MOUTH, AT_KINK, AT_TIP = 0.01, 0.02, 0.4
+#: last panel before a kink, and the panel at a tip, over the segment's length (chosen on the cases of tests/boundary)
+AT_KINK, AT_TIP = 0.02, 0.4
 #: a panel over its distance from surfaces and next segments, and from others, whose tips make stresses vary most
 #: (chosen likewise)
 PER_DISTANCE, PER_CRACK = 1.5, 0.75
@@ -88,8 +87,19 @@ def at_tip(p: int) -> Array:
     return legendre.legvander(np.array([-1.0]), p - 1)[0] @ np.linalg.inv(legendre.legvander(r, p - 1))
 
 
-def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
-    """Panels along all cracks of a part; ``around`` are samples of its surfaces."""
+def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackPanels:
+    """Panels along all cracks of a part.
+
+    Parameters
+    ----------
+    part : Part
+    around : ndarray, shape (k,)
+        Samples of its surfaces, mm.
+    p : int
+        Points on each panel.
+    at_mouth : float
+        The last panel before a mouth, over the length of the crack.
+    """
     found: list[tuple[complex, complex, int]] = []
     number = 0
     lines = [line[:, 0] + 1j * line[:, 1] for line in part.crack_lines]
@@ -106,6 +116,7 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
         last = len(z) - 2
         step = np.diff(z)
         length = np.abs(step)
+        shortest = at_mouth * length.sum()
         # at a kink or where cracks meet: as short as the shorter of both segments asks for
         turn = np.abs(np.angle(step[1:] / step[:-1]))
         alone = np.array([times[point] == 1 for point in z[1:-1].tolist()], dtype=bool)
@@ -113,8 +124,8 @@ def crack_panels(part: Part, around: Complex, p: int) -> CrackPanels:
         for k, (a, b) in enumerate(pairwise(z)):
             first_tip, last_tip = (at_start if k == 0 else -1), (at_end if k == last else -1)
             ends = (
-                AT_MOUTH if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
-                AT_MOUTH if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
+                shortest / length[k] if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
+                shortest / length[k] if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
             )
             # the next segments have their kink in common, whose grade takes care
             next_to = [piece for i, piece in enumerate(samples[c]) if abs(i - k) == 1]

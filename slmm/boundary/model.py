@@ -6,22 +6,16 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as la
 from scipy.spatial import cKDTree
 
 from slmm.boundary.body import Body, check_in_one_piece
 from slmm.boundary.crack_panels import CrackPanels, at_tip, crack_panels, slope_at_tip
-from slmm.boundary.densities import (
-    displacement_of_boundary,
-    of_cracks,
-    parts,
-    stress_of_boundary,
-    stress_of_jumps,
-    traction_of,
-)
+from slmm.boundary.densities import displacement_of_boundary, of_cracks, stress_of_boundary, stress_of_jumps
+from slmm.boundary.elimination import bordered, jumps
 from slmm.boundary.faces import held_closed, opening_of
 from slmm.boundary.rules import Array, Complex, values_at
-from slmm.boundary.surface import Feet, feet, surface_stress
+from slmm.boundary.stretches import FINE, MouthGrading
+from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
 from slmm.scene.loading import Condition, Loading
@@ -45,7 +39,9 @@ class BoundaryModel:
     p, crack_p : int
         Gauss points on each panel of the boundary, and of the cracks.
     body : Body, optional
-        Factorised, with the same outlines and mouths.
+        One that serves the part.
+    grading : MouthGrading
+        Of panels towards mouths of cracks.
     contact : bool
         Whether faces that would overlap hold each other, without friction.
 
@@ -72,19 +68,20 @@ class BoundaryModel:
         crack_p: int = 8,
         body: Body | None = None,
         contact: bool = False,
+        grading: MouthGrading = FINE,
     ) -> None:
         """Assemble, factorise and solve; on a ``body`` that serves the part, only what its cracks need."""
         self.crack_p, self.contact = crack_p, contact
         self._finer_before: BoundaryModel | None = None
         self.part = part
-        self.body = body or Body(part, material, loading, p)
+        self.body = body or Body(part, material, loading, p, grading)
         self.panels = self.body.panels
         self.cracks: CrackPanels | None = None
         solution = self.body.solution
         self.c = np.empty(0, dtype=complex)
         self.touching = np.empty(0, dtype=bool)
         if part.cracks:
-            self.cracks = crack_panels(part, self.panels.z, crack_p)
+            self.cracks = crack_panels(part, self.panels.z, crack_p, self.body.grading.crack)
             solution = self._with_cracks(solution)
         self._take(solution)
 
@@ -93,8 +90,10 @@ class BoundaryModel:
         body = self.body if self.body.serves(part) else None
         if any("crack" in (crack.start.kind, crack.end.kind) for crack in part.cracks):
             check_in_one_piece(part)  # without a new mouth only cracks that meet can sever it
-        of_body = self.body.material, self.body.loading, self.body.p
-        grown = BoundaryModel(part, *of_body, self.crack_p, body, self.contact)
+        old = self.body
+        grown = BoundaryModel(
+            part, old.material, old.loading, old.p, self.crack_p, body, self.contact, old.grading
+        )
         grown._finer_before = self.__dict__.get("finer", self._finer_before)
         return grown
 
@@ -104,13 +103,9 @@ class BoundaryModel:
         if self._finer_before is not None:
             return self._finer_before.with_cracks_of(self.part)
         body = self.body
+        orders = body.p + HIGHER, self.crack_p + HIGHER
         return BoundaryModel(
-            self.part,
-            body.material,
-            body.loading,
-            body.p + HIGHER,
-            self.crack_p + HIGHER,
-            contact=self.contact,
+            self.part, body.material, body.loading, *orders, contact=self.contact, grading=body.grading
         )
 
     def with_error(self, figure: Callable[[BoundaryModel], Array]) -> tuple[Array, Array]:
@@ -132,45 +127,17 @@ class BoundaryModel:
 
     def _with_cracks(self, base: Array) -> Array:
         """The boundary's unknowns with cracks, by elimination of these; sets their jumps."""
-        c, body = self.cracks, self.body
-        assert c is not None
-        keys = [
-            (complex(a), complex(b), bool(tip)) for a, b, tip in zip(c.starts, c.ends, c.is_tip, strict=True)
-        ]
-        self._fill(c, [k for k, key in enumerate(keys) if key not in body.crack_columns], keys)
-        X = np.concatenate([body.crack_columns[key] for key in keys], axis=1)
-        R = np.concatenate([body.crack_rows[key][0] for key in keys])
-        traction = np.concatenate([body.crack_rows[key][1] for key in keys])
-        own = of_cracks(c, c.z, np.repeat(np.arange(len(c.starts)), c.p))
-        D = traction_of(own.P, own.Q, -1.0, np.repeat(c.direction, c.p)).real()
-        self.touching = np.zeros(len(c.z), dtype=bool)
+        assert self.cracks is not None
+        self.body.border = bordered(self.body, self.cracks, self.body.border)
+        border = self.body.border
+        self.touching = np.zeros(len(self.cracks.z), dtype=bool)
         if self.contact:
-            along = np.repeat(c.direction, c.p)
-            jump, self.touching = held_closed(D - R @ X, -traction - R @ base, along)
+            along = np.repeat(self.cracks.direction, self.cracks.p)
+            jump, self.touching = held_closed(border.matrix, -border.traction, along)
         else:
-            jump = la.solve(D - R @ X, -traction - R @ base)
+            jump = jumps(border)
         self.c = jump[::2] + 1j * jump[1::2]
-        return base - X @ jump
-
-    def _fill(self, cracks: CrackPanels, new: list[int], keys: list[tuple[complex, complex, bool]]) -> None:
-        """Columns and rows of some panels of the cracks, into the body's store."""
-        if not new:
-            return
-        body, p = self.body, cracks.p
-        z = cracks.z.reshape(-1, p)[new].ravel()
-        c = CrackPanels(p, cracks.starts[new], cracks.ends[new], cracks.is_tip[new], cracks.tip[new], z)
-        beside = np.full(self.panels.n, -1)
-        columns = la.lu_solve(body.lu, of_cracks(c, self.panels.z, beside).displacement(body.kappa).real())
-        P, Q = stress_of_boundary(self.panels, z)
-        e = np.repeat(c.direction, p)
-        by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
-        by_jumps = traction_of(*stress_of_jumps(body.begins, z), body.kappa, e)
-        rows = body.in_unknowns(by_g, body.by_tractions(by_q, by_jumps))
-        known = parts(by_g(body.known_g) + by_q(body.known_q) + by_jumps(body.known_jumps))
-        for i, k in enumerate(new):
-            part = slice(2 * p * i, 2 * p * (i + 1))
-            body.crack_columns[keys[k]] = columns[:, part]
-            body.crack_rows[keys[k]] = rows[part], known[part]
+        return np.asarray(base - jump @ self.body.border.columns)
 
     def _take(self, solution: Array) -> None:
         """Densities from the unknowns."""
@@ -179,7 +146,7 @@ class BoundaryModel:
         self.g = body.known_g + np.where(body.held, 0.0, components) @ [1, 1j]
         self.t = body.known_t + np.where(body.held, components, 0.0) @ [1, 1j]
         forces = self.t * 1j / (body.kappa + 1)
-        self.q, self.jumps = body.to_q @ forces, body.to_jumps @ forces
+        self.q, self.jumps = body.resultants(forces), body.to_jumps @ forces
 
     def stress_intensities(self) -> Array:
         """K_I and K_II (k, 2) of every tip of the part, MPa sqrt(mm)."""
@@ -239,6 +206,27 @@ class BoundaryModel:
         force = np.sum(self.t[on] * np.abs(self.panels.dz[on]))
         return np.array([force.real, force.imag])
 
+    @property
+    def work(self) -> float:
+        """Integral of traction times displacement around the part, N mm for each mm of thickness.
+
+        Twice the energy that is stored.
+        """
+        return float(self.body.scale * np.sum(np.abs(self.panels.dz) * (self.t * self.g.conj()).real))
+
+    @property
+    def hoop(self) -> Array:
+        """Normal stress (n,) along the boundary at the panels' points, MPa: from densities alone, without kernels."""
+        return hoop_stress(self.panels, self.g, self.t, self.body.E, self.body.nu, self.body.scale)
+
+    @property
+    def openings(self) -> Array:
+        """How far the faces of the cracks are apart at their points (m,), mm; negative where they would overlap."""
+        c = self.cracks
+        if c is None:
+            return np.empty(0)
+        return self.body.scale * (np.repeat(c.direction, c.p).conj() * self.c).imag
+
     def displacement(self, points: Array) -> Array:
         """Displacements (k, 2) at points (k, 2), mm; beside the material those of the surface there."""
 
@@ -297,7 +285,7 @@ class BoundaryModel:
                 self.panels, here, self.g, self.t, self.body.E, self.body.nu, self.body.scale
             )
 
-        return self._by_depth(points, at_surface, self._stress_inside)
+        return self._by_depth(points, at_surface, self.stress_inside)
 
     def _from_boundary(self, targets: Complex) -> tuple[Complex, Complex]:
         """P and Q (t,) of the boundary's densities at targets (t,)."""
@@ -307,8 +295,8 @@ class BoundaryModel:
         other = Q @ (self.g + self.q) + P @ (self.body.kappa * self.q - self.g).conj()
         return one, other + Q_jumps @ self.jumps + P_jumps @ (self.body.kappa * self.jumps).conj()
 
-    def _stress_inside(self, points: Array) -> Array:
-        """Stress (k, 3) by the kernels."""
+    def stress_inside(self, points: Array) -> Array:
+        """Stress xx, yy, xy (k, 3) at points (k, 2) that lie `BESIDE` panels deep at least, MPa, by the kernels."""
         targets = points[:, 0] + 1j * points[:, 1]
         one, other = self._from_boundary(targets)
         if self.cracks is not None:

@@ -15,13 +15,34 @@ from slmm.part.outline_splines import curvature_jumps
 from slmm.part.part import Part
 from slmm.scene.loading import Condition, Loading
 
-#: the last panel before a corner that juts out, a mouth of a crack and a corner that points into the material, over the
-#: length of the side: solutions are smoother there by turns (chosen on the cases of tests/boundary)
-JUTTING, MOUTH, REENTRANT = 0.25, 0.01, 1e-5
+#: the last panel before a corner that juts out, and one that points into the material, over the length of the side:
+#: solutions are rougher there by turns (chosen on the cases of tests/boundary); of mouths see `MouthGrading`
+JUTTING, REENTRANT = 0.25, 1e-5
 #: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
 CHANGE, HELD = 0.05, 1e-3
 #: points of a curve that tell whether it is straight (chosen), and how far these may lie beside it, over its length
 STRAIGHT_SAMPLES, ROUND_OFF = 7, 1e-13
+
+
+class MouthGrading(NamedTuple):
+    """How short panels become towards the mouth of a crack.
+
+    Attributes
+    ----------
+    side : float
+        The last one on a surface, over the length of the side.
+    crack : float
+        And on a crack, over its length.
+    """
+
+    side: float
+    crack: float
+
+
+#: for stress intensities of cracks as short as they may be (chosen on the cases of tests/boundary)
+FINE = MouthGrading(0.01, 0.01)
+#: for stiffness and tips away from mouths: solutions are smooth enough (chosen on validation/fracture_references.py)
+COARSE = MouthGrading(0.05, 0.1)
 
 
 class Stretch(NamedTuple):
@@ -73,7 +94,9 @@ class Stretch(NamedTuple):
         return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
 
 
-def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list[list[Stretch]]:
+def boundary_of(
+    part: Part, mouths: Sequence[complex], loading: Loading, at_mouth: float = FINE.side
+) -> list[list[Stretch]]:
     """The closed curves around a part, each of stretches that end at corners, mouths and where conditions do.
 
     Parameters
@@ -82,6 +105,8 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
     mouths : sequence of complex
         Where cracks end on the boundary, mm.
     loading : Loading
+    at_mouth : float
+        The last panel there, over the length of the side.
     """
     wanted = np.concatenate(
         [
@@ -96,6 +121,7 @@ def boundary_of(part: Part, mouths: Sequence[complex], loading: Loading) -> list
             mouths,
             loading,
             part.tolerance,
+            at_mouth,
         )
         for ring in boundary_pieces(part.body, part.outlines, wanted)
     ]
@@ -138,7 +164,7 @@ def _is_singular(one: tuple[bool, bool], other: tuple[bool, bool], turn: float) 
 
 
 def _graded(
-    stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float
+    stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float, at_mouth: float
 ) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
     acting = [_acting(stretch, loading) for stretch in stretches]
@@ -151,7 +177,7 @@ def _graded(
         turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
         changes = abs(turn) < SMALLEST_TURN and acting[k] != acting[k - 1]
         if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
-            grade.append(MOUTH)
+            grade.append(at_mouth)
         elif changes:
             grade.append(CHANGE)
         elif turn < -SMALLEST_TURN:

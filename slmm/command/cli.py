@@ -1,4 +1,4 @@
-"""The command line: ``slmm initiation``, ``slmm forces``, ``slmm optimize``, ``slmm info``, each from its own module.
+"""The command line: ``slmm initiation``, ``fracture``, ``forces``, ``optimize``, ``info``, each from its own module.
 
 Libraries that take long to import are imported there where they are needed, so that help and refusals come at once.
 """
@@ -11,6 +11,7 @@ import typer
 
 from slmm.command.database_command import info
 from slmm.command.forces_command import forces
+from slmm.command.fracture_command import fracture
 from slmm.command.initiation_command import initiation
 from slmm.command.optimize_command import optimize
 from slmm.command.terminal import Application
@@ -32,10 +33,11 @@ def main(
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """Crack initiation at 2D notches: will a crack start, at which load, and where."""
+    """Crack initiation at 2D notches and the fracture that follows: will a crack start, at which load, where to."""
 
 
 app.command()(initiation)
+app.command()(fracture)
 app.command()(forces)
 app.command()(info)
 app.add_typer(optimize, name="optimize")

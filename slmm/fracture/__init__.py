@@ -1,4 +1,4 @@
-"""Crack tips: their loading, where they run, and when (Papers B and D)."""
+"""Crack tips: their loading, where they run, and when; the fracture of whole parts (Papers B and D)."""
 
 from slmm.fracture.kink_correction import CorrectedKink, corrected_kink
 from slmm.fracture.kinking import (
@@ -10,6 +10,7 @@ from slmm.fracture.kinking import (
     minimum_strain_energy_density,
 )
 from slmm.fracture.loading import crack_tip_loading
+from slmm.fracture.simulation import simulate
 from slmm.fracture.tips import CrackTip, find_crack_tips
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "maximum_energy_release_rate",
     "maximum_tangential_stress",
     "minimum_strain_energy_density",
+    "simulate",
 ]

@@ -178,6 +178,46 @@ def edge_crack(length: float = 10.0, **changes: Any) -> Scene:
     return _tension(f"Edge crack of {length:g} mm", {"cracks": [crack]}, changes)
 
 
+def tensile_plate(
+    holes: Sequence[tuple[float, ...]] = (), displacement: float = 1.0, **changes: Any
+) -> Scene:
+    """PMMA plate, 80 mm x 80 mm, with a crack of 10 mm from the middle of its left edge (Paper D, section 2.1).
+
+    Its bottom edge is held in y, its top edge moves up as one.
+
+    Parameters
+    ----------
+    holes : sequence of (x, y, radius) or (x, y, semi_axis, semi_axis, angle)
+        Circles and ellipses, mm and degrees.
+    displacement : float
+        Of the top edge, mm; a unit to scale from.
+    **changes
+        Changes to the scene, see `Scene.with_`.
+
+    Examples
+    --------
+    >>> [hole.shape for hole in tensile_plate([(40.0, 40.0, 8.0), (62.0, 45.0, 6.0, 4.0, 10.0)]).holes]
+    ['circle', 'ellipse']
+    """
+
+    def table(x: float, y: float, *size: float) -> dict[str, Any]:
+        if len(size) == 1:
+            return {"shape": "circle", "center": [x, y], "radius": size[0]}
+        a, b, angle = size
+        return {"shape": "ellipse", "center": [x, y], "semi_axes": [a, b], "angle": angle}
+
+    return Scene.from_dict(
+        {
+            "title": f"Tensile plate, {len(holes)} hole{'s' * (len(holes) != 1)}",
+            "plate": {"width": 80.0, "height": 80.0, "thickness": 1.0},
+            "holes": [table(*hole) for hole in holes],
+            "cracks": [{"points": [[0.0, 40.0], [10.0, 40.0]]}],
+            "material": {"E": 2960.0, "nu": 0.38, "sigma_c": 70.5, "K_Ic": 1.96, "state": "plane strain"},
+            "load": {"displacement": displacement},
+        }
+    ).with_(**changes)
+
+
 def lobes(center: tuple[float, float], radius: float, n: int = 360) -> list[list[float]]:
     """Points (n, 2), mm, on r(theta) = radius (1 + 0.1 cos 3 theta + 0.12 cos(5 theta + 0.5))."""
     theta = np.linspace(0.0, 2 * np.pi, n, endpoint=False)

@@ -6,14 +6,13 @@ columns that are near one another, is all that neighbours of the design need (ne
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg.lapack as lapack
-import threadpoolctl
 
 from slmm.optimization.cantilever.column_kernels import add_column, column_places
+from slmm.running.blas import one_blas_thread
 
 if TYPE_CHECKING:
     from slmm.optimization.cantilever.beam import Cantilever
@@ -56,7 +55,7 @@ class NearInverse:
 
     def __init__(self, beam: Cantilever, centre: np.ndarray) -> None:
         """Find the inverse within each column, and the displacements."""
-        with _blas().limit(limits=1):
+        with one_blas_thread():
             self._eliminate(beam, centre)
 
     def _eliminate(self, beam: Cantilever, centre: np.ndarray) -> None:
@@ -105,18 +104,12 @@ class NearInverse:
             return
         near = np.zeros((k + 1, *self.near.shape[1:]))
         near[:known] = self.near
-        with _blas().limit(limits=1):
+        with one_blas_thread():
             for d in range(known, k + 1):
                 for c in range(d, near.shape[1]):
                     np.matmul(self._back[c], near[d - 1, c - 1, self._line], out=near[d, c])
                     np.negative(near[d, c], out=near[d, c])
         self.near = near
-
-
-@lru_cache(maxsize=1)
-def _blas() -> threadpoolctl.ThreadpoolController:
-    """Threads cost more than they gain on small matrices."""
-    return threadpoolctl.ThreadpoolController().select(user_api="blas")
 
 
 def _in_order(rows: int) -> np.ndarray:

@@ -1,0 +1,95 @@
+"""Boundary integrals as the engine of a simulation: one solution after the other, the body kept where it serves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slmm.boundary.model import BoundaryModel
+from slmm.boundary.stretches import COARSE
+from slmm.criteria.distances import point_distance
+from slmm.criteria.griffith import energy_release_rate
+from slmm.fracture.events import COMPETING, Event, Kind, growths, starts
+from slmm.fracture.initiation_sites import critical_sites
+from slmm.mechanics.material import Material
+from slmm.mechanics.stress import principal_stress
+from slmm.part.part import Part
+from slmm.scene.loading import Loading
+
+Array = NDArray[np.float64]
+
+#: Gauss points on panels of the boundary and of cracks, by the error of U_T that they reach; chosen on
+#: validation/fracture_references.py
+ORDERS = ((2e-3, (6, 5)), (1e-4, (8, 8)), (0.0, (10, 10)))
+#: faces that overlap by less than this share of the largest opening are closed; round-off and the ends of cracks
+OVERLAP = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryState:
+    """A part with its cracks under the scene's own load.
+
+    Parameters
+    ----------
+    model : BoundaryModel
+    """
+
+    model: BoundaryModel
+
+    @property
+    def work(self) -> float:
+        """Twice the stored energy, N mm for each mm of thickness."""
+        return self.model.work
+
+    @property
+    def overlaps(self) -> bool:
+        """Whether faces of cracks would overlap, which the model does not prevent."""
+        opening = self.model.openings
+        return bool(len(opening) and opening.min() < -OVERLAP * opening.max())
+
+    def events(self) -> list[Event]:
+        """What may happen next, where it competes with the lowest load."""
+        part, material = self.model.part, self.model.body.material
+        tips = growths(part.tips, self.model.stress_intensities(), material)
+        lowest = min((event.load for event in tips), default=np.inf)
+        least = material.sigma_c / (lowest * (1 + COMPETING))
+        return tips + starts(critical_sites(self.model, least), material)
+
+    def finer(self, event: Event) -> tuple[float, float]:
+        """Work and the load of an event by the model with more points, for estimates of errors."""
+        model, material = self.model.finer, self.model.body.material
+        if event.kind is Kind.GROWTH:
+            K_I, K_II = model.stress_intensities()[event.tip]
+            return model.work, float(np.sqrt(material.G_c / energy_release_rate(K_I, K_II, material)))
+        below = event.point + point_distance(material) * event.direction
+        return model.work, material.sigma_c / float(principal_stress(model.stress(below[None]))[0])
+
+
+class BoundaryEngine:
+    """Solves one part after the other, each with other cracks than the one before.
+
+    Parameters
+    ----------
+    material : Material
+    loading : Loading
+    tolerance : float
+        Relative error of U_T that is aimed at.
+    """
+
+    def __init__(self, material: Material, loading: Loading, tolerance: float) -> None:
+        """Nothing is solved yet."""
+        self.material, self.loading = material, loading
+        self.order, self.crack_order = next(orders for error, orders in ORDERS if tolerance >= error)
+        self._last: BoundaryModel | None = None
+
+    def solve(self, part: Part) -> BoundaryState:
+        """The part with its cracks."""
+        if self._last is None:
+            self._last = BoundaryModel(
+                part, self.material, self.loading, self.order, self.crack_order, grading=COARSE
+            )
+        else:
+            self._last = self._last.with_cracks_of(part)
+        return BoundaryState(self._last)

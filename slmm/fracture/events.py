@@ -1,0 +1,111 @@
+"""What happens next: the tip that grows or the surface that cracks at the lowest load (Paper D, section 2.2.3)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slmm.criteria.griffith import energy_release_rate
+from slmm.fracture.initiation_sites import Site
+from slmm.fracture.kinking import maximum_tangential_stress
+from slmm.mechanics.material import Material
+
+Array = NDArray[np.float64]
+
+#: loads that differ by less are one, and a rule decides: mirrored places differ in the seventh digit; chosen
+TIED = 1e-5
+#: loads so near to the lowest one compete: a small change of the part may turn the order round; chosen
+COMPETING = 0.005
+
+
+class Kind(StrEnum):
+    """What an event is."""
+
+    GROWTH = "growth"
+    START = "start"
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """A crack that grows or starts.
+
+    Parameters
+    ----------
+    load : float
+        Critical load, over the scene's own.
+    kind : Kind
+    point, direction : ndarray, shape (2,)
+        Where from, mm, and which way.
+    tip : int
+        Which of the part's tips, -1 of a start.
+    hole : int
+        Which outline it starts at, -1 for a straight outer edge.
+    K : (float, float)
+        K_I and K_II under the scene's own load, MPa sqrt(mm); NaN of a start.
+    """
+
+    load: float
+    kind: Kind
+    point: Array
+    direction: Array
+    tip: int = -1
+    hole: int = -1
+    K: tuple[float, float] = field(default=(math.nan, math.nan))
+
+    @property
+    def rank(self) -> tuple[bool, bool, int, float, float]:
+        """What decides a tie: tips before starts, holes before the edge, then the lowest hole, y and x."""
+        x, y = self.point.tolist()
+        return self.kind is Kind.START, self.hole < 0, self.hole, y, x
+
+
+def growths(tips: Sequence[Array], K: Array, material: Material) -> list[Event]:
+    """Tips that grow by Griffith's criterion, each in the direction of the largest tangential stress.
+
+    Parameters
+    ----------
+    tips : sequence of ndarray, shape (n, 2)
+        The line that leads to each tip, mm, the tip last.
+    K : ndarray, shape (k, 2)
+        K_I and K_II, MPa sqrt(mm). Tips that do not open, as beside a crack that has passed, do not grow.
+    material : Material
+    """
+    found = []
+    for k, (line, (K_I, K_II)) in enumerate(zip(tips, K.tolist(), strict=True)):
+        if not K_I > 0:
+            continue
+        along = (line[-1] - line[-2]) / np.linalg.norm(line[-1] - line[-2])
+        kink = maximum_tangential_stress(K_I, K_II)
+        turned = np.array([[math.cos(kink), -math.sin(kink)], [math.sin(kink), math.cos(kink)]]) @ along
+        load = math.sqrt(material.G_c / energy_release_rate(K_I, K_II, material))
+        found.append(Event(load, Kind.GROWTH, line[-1], turned, tip=k, K=(K_I, K_II)))
+    return found
+
+
+def starts(sites: Iterable[Site], material: Material) -> list[Event]:
+    """Cracks that start at sites, straight into the material."""
+    return [
+        Event(material.sigma_c / site.stress, Kind.START, site.point, site.inward, hole=site.hole)
+        for site in sites
+    ]
+
+
+def next_event(events: Sequence[Event]) -> tuple[Event, float]:
+    """The event at the lowest load, ties decided by their rank; and by which share the next one's load is higher.
+
+    Examples
+    --------
+    >>> up, down = (Event(1.0, Kind.START, np.array([4.0, y]), np.array([1.0, 0.0])) for y in (2.0, 1.0))
+    >>> event, gap = next_event([up, down])
+    >>> event.point.tolist(), gap
+    ([4.0, 1.0], 0.0)
+    """
+    lowest = min(event.load for event in events)
+    chosen = min((event for event in events if event.load <= lowest * (1 + TIED)), key=lambda e: e.rank)
+    others = [event.load for event in events if event is not chosen]
+    return chosen, max(min(others) / lowest - 1, 0.0) if others else math.nan
