@@ -15,6 +15,7 @@ from slmm.command.fracture_command import fracture
 from slmm.command.initiation_command import initiation
 from slmm.command.optimize_command import optimize
 from slmm.command.terminal import Application
+from slmm.command.toughness_command import toughness
 
 app = Application(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -40,4 +41,5 @@ app.command()(initiation)
 app.command()(fracture)
 app.command()(forces)
 app.command()(info)
+optimize.command()(toughness)
 app.add_typer(optimize, name="optimize")

@@ -90,7 +90,7 @@ def cantilever(
             raise ValueError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
         if resume and output is None:
             raise ValueError("--resume: needs -o, beside which the journals lie")
-        its = _settings(depth, radius, settings or [])
+        its = settings_of(depth, radius, settings or [])
         with progress_bar() as progress, word_on_compilation():
             from slmm.optimization import Cantilever
             from slmm.optimization.cantilever.brute_force import BEST, brute_force
@@ -168,7 +168,7 @@ def _grid(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
-def _settings(depth: int | None, radius: int | None, others: list[str]) -> dict[str, Any]:
+def settings_of(depth: int | None, radius: int | None, others: list[str]) -> dict[str, Any]:
     """Settings by name; numbers as JSON has them."""
     found: dict[str, Any] = {
         name: value for name, value in (("depth", depth), ("radius", radius)) if value is not None
@@ -192,7 +192,7 @@ def _record(result: xr.Dataset) -> dict[str, Any]:
         return {
             "n_valid": int(result.n_valid),
             "best": float(result.endpoint_displacement[0]),
-            "best_design": _rows(result.best_design.values),
+            "best_design": rows_of(result.best_design.values),
         }
     return {
         "algorithm": result.attrs["algorithm"],
@@ -203,15 +203,15 @@ def _record(result: xr.Dataset) -> dict[str, Any]:
                 "value": float(run.value),
                 "simulations": int(run.simulations),
                 "stopped": run.stopped.item(),
-                "best_design": _rows(run.best_design.values),
+                "best_design": rows_of(run.best_design.values),
             }
             for run in (result.isel(run=k) for k in range(result.sizes["run"]))
         ],
     }
 
 
-def _rows(design: Any) -> list[str]:
-    """A design as text, 1 where there is material."""
+def rows_of(design: Any) -> list[str]:
+    """A design as text, 1 where a cell is on."""
     return ["".join("1" if cell else "0" for cell in row) for row in design]
 
 
@@ -224,7 +224,7 @@ def _print(result: xr.Dataset) -> None:
         out.print(
             f"{int(result.n_valid):,} valid designs; the best one's end sags {result.endpoint_displacement[0]:.6g} mm:"
         )
-        _print_design(result.best_design.values)
+        print_design(result.best_design.values)
         return
     order = result.value.argsort().values
     table = Table(
@@ -241,13 +241,14 @@ def _print(result: xr.Dataset) -> None:
             str(int(run.seed)), f"{float(run.value):.6g}", str(int(run.simulations)), run.stopped.item()
         )
     out.print(table)
-    _print_design(result.best_design.values[order[0]])
+    print_design(result.best_design.values[order[0]])
     if len(order) > 1:
         low, middle, high = result.value.quantile([0.25, 0.5, 0.75]).values
         count = float(result.simulations.median())
         out.print(f"Quartiles: {low:.6g}, {middle:.6g}, {high:.6g} mm; median of the simulations {count:g}.")
 
 
-def _print_design(design: Any) -> None:
+def print_design(design: Any) -> None:
+    """Rows of a design, a block where a cell is on."""
     for row in design:
         console().print("  " + "".join("█" if cell else "·" for cell in row), soft_wrap=True)
