@@ -147,8 +147,8 @@ def _print(result: xr.Dataset, whole: Any) -> None:
     out = console()
     each = ", ".join(f"{value:.4g}" for value in result.U_T.values)
     out.print(
-        f"{result.attrs['algorithm']}: the toughest of {int(result.simulations)} designs has {each} mJ by directions "
-        f"({int(result.failed)} failed; {result.attrs['stopped']}):",
+        f"{result.attrs['algorithm']}: the toughest of {int(result.simulations)} designs asked for has {each} mJ by "
+        f"directions ({int(result.failed)} failed; {result.attrs['stopped']}):",
         soft_wrap=True,
     )
     print_design(whole)

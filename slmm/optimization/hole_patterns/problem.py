@@ -1,4 +1,4 @@
-"""Hole patterns as a problem: how tough the plate is at least, from whichever side the crack comes (Paper D, 2.3 f.)."""
+"""Hole patterns as a problem: how tough the plate is at least, from whichever side the crack comes (Paper D)."""
 
 from __future__ import annotations
 
