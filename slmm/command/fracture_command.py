@@ -144,7 +144,8 @@ def _print_result(result: xr.Dataset) -> None:
     )
     if count := result.attrs["competing_events"]:
         out.print(
-            f"In {count} of {result.sizes['step']} steps another event was within 0.5 % of the load: the path may fork.",
+            f"In {count} of {result.sizes['step']} steps another event was within 0.5 % of the load: the path may fork"
+            " there.",
             soft_wrap=True,
         )
     if overlaps := int(result.overlaps.sum()):

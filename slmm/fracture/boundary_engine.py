@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 ORDERS = ((2e-3, (6, 5)), (1e-4, (8, 8)), (0.0, (10, 10)))
 #: faces that overlap by less than this share of the largest opening are closed; round-off and the ends of cracks
 OVERLAP = 1e-3
+#: K_I is none below this share of the largest stress along surfaces times sqrt(pi a); round-off and discretisation
+NO_OPENING = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +54,10 @@ class BoundaryState:
     def events(self) -> list[Event]:
         """What may happen next, where it competes with the lowest load."""
         part, material = self.model.part, self.model.body.material
-        tips = growths(part.tips, self.model.stress_intensities(), material)
+        K = self.model.stress_intensities()
+        sizes = np.array([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in part.tips])
+        closed = NO_OPENING * float(np.abs(self.model.hoop).max()) * np.sqrt(np.pi * sizes)
+        tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material)
         lowest = min((event.load for event in tips), default=np.inf)
         least = material.sigma_c / (lowest * (1 + COMPETING))
         return tips + starts(critical_sites(self.model, least), material)

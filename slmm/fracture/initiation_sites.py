@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: the principal stress at depth is at most so many times the stress along the surface there; chosen
 ABOVE_SURFACE = 1.3
+#: less than this share of the largest stress along surfaces is no tension; round-off and discretisation
+NO_TENSION = 1e-3
 #: peaks between points may be so much higher than at the points; chosen
 BETWEEN = 1.1
 #: points nearer to the mouth of a crack than so many depths belong to it; chosen
@@ -60,9 +62,11 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
         Lower ones are of no interest, MPa.
     """
     depth = point_distance(model.body.material)
-    hoop = np.where(_may_start(model, depth), ABOVE_SURFACE * model.hoop, -np.inf)
+    hoop = model.hoop
+    least = max(least, NO_TENSION * float(np.abs(hoop).max()))
+    hoop = np.where(_may_start(model, depth), ABOVE_SURFACE * hoop, -np.inf)
     found = _at_corners(model, depth)
-    least = max(least, max((site.stress for site in found), default=0.0) / BETWEEN, 0.0)
+    least = max(least, max((site.stress for site in found), default=0.0) / BETWEEN)
     if hoop.max(initial=-np.inf) > least:
         found += _along_surfaces(model, depth, hoop, least)
     return sorted((site for site in found if site.stress >= least), key=lambda site: -site.stress)

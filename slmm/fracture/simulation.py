@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 
 #: increments of "auto" over the shorter side of the part: 2 mm of 80 mm; published (Paper D, section 3.1)
 PER_SIDE = 0.025
-#: steps of a simulation, at most; chosen: patterns of holes take 10 to 45
-MOST_STEPS = 1000
+#: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
+MOST_CROSSINGS = 10
 ENGINES, INITIATIONS = ("boundary",), ("point",)
 
 
@@ -173,13 +173,14 @@ class Simulation:
         if self.part.is_severed:
             self.history.outcome = Outcome.SEVERED
             return
-        for k in range(MOST_STEPS):
+        side = float(np.ptp(self.part.outer, axis=0).min())
+        for k in range(int(MOST_CROSSINGS * side / self.lengths.growth)):
             progress(
                 1 - 0.97**k, f"step {k + 1}, {len(self.part.cracks)} cracks, u = {self.history.u:.3g} mm"
             )
             try:
                 outcome = self._step()
-            except (ValueError, np.linalg.LinAlgError) as error:
+            except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
                 if not self.history.steps:
                     raise
                 outcome, self.history.reason = Outcome.FAILED, str(error)

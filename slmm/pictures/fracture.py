@@ -43,8 +43,7 @@ def plot_fracture(scene: Scene, result: xr.Dataset) -> Figure:
         _draw_part(part, scene)
         _draw_cracks(part, result)
         _draw_curve(curve, result)
-        toughness = f"{float(result.U_T):.4g} mJ"
-        figure.suptitle(f"{scene.title or 'Fracture'}: tensile toughness {toughness}", parse_math=False)
+        figure.suptitle(scene.title or "Fracture", parse_math=False)
     return figure
 
 
@@ -110,11 +109,9 @@ def _draw_curve(axes: Axes, result: xr.Dataset) -> None:
             force = (stiffness * u_c)[which]
             axes.plot(u_c[which], force, marker, color=colour, ms=6, zorder=4, label=f"critical: {label}")
     error = float(result.U_T_error)
-    text = f"$U_T$ = {float(result.U_T):.5g} mJ" + (f" ± {error:.1g} mJ" if np.isfinite(error) else "")
-    axes.text(0.98, 0.98, text, transform=axes.transAxes, ha="right", va="top")
     axes.set(xlabel="displacement u in mm", ylabel="force F in N")
     axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.margins(y=0.1)
+    axes.set_ylim(0, 1.3 * max(float(F.max()), 1e-9))  # room for the legend
     axes.legend(loc="upper left", frameon=False)
-    axes.set_title("force over displacement")
+    toughness = f"{float(result.U_T):.5g}" + (f" ± {error:.1g}" if np.isfinite(error) else "")
+    axes.set_title(f"tensile toughness $U_T$ = {toughness} mJ, the area below F(u)")
