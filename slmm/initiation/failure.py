@@ -18,7 +18,7 @@ from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
 from slmm.initiation.paths import trial_paths
-from slmm.initiation.peaks import find_peaks, positions_at
+from slmm.initiation.peaks import LEAST_RISE, find_peaks, positions_at, tops
 from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Task
@@ -250,6 +250,8 @@ def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> 
             index = np.where(answer.status == Status.OK, 1 / answer.load_factor, np.nan)
         peaks = find_peaks(task.scene, task.where, index, answer.index_error, answer.crack_length)
         if not peaks:
+            rows = tops(task.where, index)
+            answer.error[rows] = np.maximum(answer.error[rows], LEAST_RISE)
             break
         if not left:
             for peak in peaks:

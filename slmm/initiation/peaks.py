@@ -118,6 +118,21 @@ def find_peaks(
     return sorted(found, key=lambda peak: -index[peak.row])
 
 
+def tops(where: Positions, index: np.ndarray) -> np.ndarray:
+    """Positions (k,) on smooth stretches with an index no smaller than their neighbours'.
+
+    Between them and these the index may still rise by `LEAST_RISE` of itself, which is what its error is at least.
+    """
+    index = np.nan_to_num(index, nan=0.0)
+    found = [
+        row
+        for hole in np.unique(where.hole[where.hole >= 0])
+        for row, _, _ in _maxima(np.flatnonzero(where.hole == hole), index)
+    ]
+    rows = np.array(found, dtype=int)
+    return rows[np.isnan(where.corner[rows])]
+
+
 class _End(NamedTuple):
     """A corner, or where the outline leaves the plate, as seen from one side.
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import slmm
-from slmm.initiation.peaks import find_peaks, positions_at
+from slmm.initiation.peaks import LEAST_RISE, find_peaks, positions_at, tops
 from slmm.initiation.positions import find_positions, positions_on
 from slmm.scene import gallery
 
@@ -195,6 +195,17 @@ def test_values_of_a_random_scene_whose_peak_a_parabola_does_not_see():
     assert np.abs(peak.wanted - 40.047).min() < 0.02
     assert 0.624 + peak.rise == pytest.approx(0.675, abs=0.01)
     assert find_peaks(scene, where, index, np.full(6, 0.004), np.full(6, 1.0)) == []
+
+
+def test_the_top_between_positions_is_as_high_as_the_least_error_says():
+    """Random scene 269: 0.9056 +- 0.0002, and 0.9059 between two positions."""
+    result = slmm.failure_indices(gallery.circular_hole(), "full-fea", positions=8)
+    top = int(result.failure_index.argmax())
+    assert result.failure_index_error[top] >= LEAST_RISE * result.failure_index[top] * (1 - 1e-12)
+    scene = gallery.circular_hole()
+    where = find_positions(scene, 12)
+    index = np.cos(2 * np.arange(12) * 2 * np.pi / 12 + 0.1) + 2
+    assert tops(where, index).tolist() == [0, 6]
 
 
 def test_a_singular_rise_towards_a_held_edge_is_followed_from_far_below_the_largest():
