@@ -208,7 +208,9 @@ class Simulation:
             work, load = state.finer(event)
             F_finer, u_finer = self.conjugate.force_and_displacement(work * self.part.thickness)
             finer = F_finer / u_finer, load * u_finer
-        last = grown.cracks[crack].start if self._is_at_start(event, crack) else grown.cracks[crack].end
+        at_start = self._is_at_start(event, crack)
+        last = grown.cracks[crack].start if at_start else grown.cracks[crack].end
+        self._note(crack, at_start)
         history.steps.append(
             Step(
                 event.load * u,
@@ -237,14 +239,17 @@ class Simulation:
 
     def _grown(self, event: Event, increment: Increment) -> tuple[Part, int]:
         """The part after an event, and which crack it was."""
-        k = len(self.history.steps)
         if event.kind is Kind.START:
-            self.reached.append([k, k])
             return self.part.with_crack([event.point, increment.end]), len(self.part.cracks)
-        crack = self._crack_of(event.tip)
-        at = 0 if self._is_at_start(event, crack) else len(self.reached[crack])
-        self.reached[crack].insert(at, k)
-        return self.part.grown(event.tip, increment.end), crack
+        return self.part.grown(event.tip, increment.end), self._crack_of(event.tip)
+
+    def _note(self, crack: int, at_start: bool) -> None:
+        """Remember which step led to the new points of a crack."""
+        k = len(self.history.steps)
+        if crack == len(self.reached):
+            self.reached.append([k, k])
+        else:
+            self.reached[crack].insert(0 if at_start else len(self.reached[crack]), k)
 
     def _crack_of(self, tip: int) -> int:
         """The crack that a tip belongs to."""
