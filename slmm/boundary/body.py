@@ -119,17 +119,25 @@ class Body:
             result[panels] += (np.cumsum(whole[panels]) - whole[panels])[:, None]
         return result.ravel()
 
-    def by_values(self, by_resultants: Complex) -> Complex:
-        """What is given by resultants with weights (t, n), as weights (t, n) of the values."""
+    def _by_values(self, by_resultants: Complex) -> Complex:
+        """What is given by resultants with weights (t, n), as weights (t, h) of the values at held points."""
         p = self.panels.p
         local = integration(p)
-        at = by_resultants.reshape(len(by_resultants), -1, p)
-        result, whole = at @ local[:p], at.sum(axis=2)
-        for panels in self._contours:
-            later = np.cumsum(whole[:, panels][:, ::-1], axis=1)[:, ::-1] - whole[:, panels]
-            result[:, panels] += later[:, :, None] * local[p]
-        result *= 0.5 * self.panels.length[:, None]
-        return result.reshape(by_resultants.shape)
+        half = 0.5 * self.panels.length
+        of_point = self.held_rows // p
+        found = []
+        for panels in self._contours:  # integrals begin anew on each
+            which = np.unique(of_point[(of_point >= panels.start) & (of_point < panels.stop)])
+            if not len(which):
+                continue
+            at = by_resultants[:, panels.start * p : panels.stop * p].reshape(len(by_resultants), -1, p)
+            whole = at.sum(axis=2)
+            later = np.cumsum(whole[:, ::-1], axis=1)[:, ::-1] - whole
+            mine = which - panels.start
+            values = (at[:, mine] @ local[:p] + later[:, mine, None] * local[p]) * half[which, None]
+            place = (which[:, None] * p + np.arange(p)).ravel()
+            found.append(values.reshape(len(at), -1)[:, np.isin(place, self.held_rows)])
+        return np.concatenate(found, axis=1)
 
     @cached_property
     def held_rows(self) -> NDArray[np.int64]:
@@ -156,8 +164,8 @@ class Body:
             return Linear(none, none)
         to_jumps = self.to_jumps[:, rows]
         return Linear(
-            unit * (self.by_values(by_q.one)[:, rows] + by_jumps.one @ to_jumps),
-            np.conj(unit) * (self.by_values(by_q.other)[:, rows] + by_jumps.other @ to_jumps),
+            unit * (self._by_values(by_q.one) + by_jumps.one @ to_jumps),
+            np.conj(unit) * (self._by_values(by_q.other) + by_jumps.other @ to_jumps),
         )
 
     def displacement_by_jumps(self, targets: Complex) -> Linear:
