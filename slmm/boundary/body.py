@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -44,6 +45,8 @@ class Body:
     p : int
         Gauss points on each panel.
     grading : MouthGrading
+    ahead : sequence of complex
+        Where tips may come to be, mm: panels are as short as these ask for, too.
 
     Attributes
     ----------
@@ -59,7 +62,13 @@ class Body:
     """
 
     def __init__(
-        self, part: Part, material: Material, loading: Loading, p: int, grading: MouthGrading = FINE
+        self,
+        part: Part,
+        material: Material,
+        loading: Loading,
+        p: int,
+        grading: MouthGrading = FINE,
+        ahead: Sequence[complex] = (),
     ) -> None:
         """Assemble and factorise."""
         check_in_one_piece(part)
@@ -68,7 +77,9 @@ class Body:
         self.E, self.nu, self.mu, self.kappa = E, nu, shear_modulus(E, nu), kolosov(nu)
         self.scale = (self.kappa + 1) / (2 * self.mu)
         self.mouths = mouths_of(part)
-        self.panels = panelled(boundary_of(part, self.mouths, loading, grading.side), part, tips_of(part), p)
+        self.panels = panelled(
+            boundary_of(part, self.mouths, loading, grading.side), part, [*tips_of(part), *ahead], p
+        )
         self.border = Border.none(2 * self.panels.n)
         self._set_conditions()
         self._factorise()

@@ -21,6 +21,8 @@ AT_KINK, AT_TIP = 0.02, 0.4
 #: a panel over its distance from surfaces and next segments, and from others, whose tips make stresses vary most
 #: (chosen likewise)
 PER_DISTANCE, PER_CRACK = 1.5, 0.75
+#: of lengths of segments that are equal but for rounding
+ROUND_OFF = 1e-6
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
 MILD = 0.35
 #: kinks that turn by more, rad, and meetings of cracks need panels so short (chosen on 30 random plates)
@@ -173,7 +175,7 @@ def _segment(
         z = a + np.linspace(u, v, 5) * (b - a)
         # at a mouth the surface itself is near
         allowed = min(max(u, first), max(1.0 - v, last), max(near.longest(z) / length, min(first, last)))
-        if v - u > allowed * (1 + 1e-9):
+        if v - u > allowed * (1 + ROUND_OFF):
             todo += [(u, 0.5 * (u + v)), (0.5 * (u + v), v)]
         else:
             panels.append((a + u * (b - a), a + v * (b - a), -1))
@@ -182,7 +184,7 @@ def _segment(
 
 def _tip_share(tip: complex, other: complex, grade: float, near: _Near) -> float:
     """Length of the panel at a tip over that of its segment, whose other end needs panels as short as ``grade``."""
-    return min(1.0 if grade == 1.0 else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
+    return min(1.0 if grade > 1.0 - ROUND_OFF else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
 
 
 def _sampled(a: complex, b: complex) -> Complex:

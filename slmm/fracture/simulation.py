@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 PER_SIDE = 0.025
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
+#: increments for which a body is prepared at once; chosen
+AHEAD = 4
 ENGINES, INITIATIONS = ("boundary",), ("point",)
 
 
@@ -191,7 +193,7 @@ class Simulation:
     def _step(self) -> Outcome | None:
         """Solve, find the next event, and let it happen; how it ended, if it did."""
         history = self.history
-        state = self.engine.solve(self.part)
+        state = self.engine.solve(self.part, self._ahead())
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
         events = state.events()
@@ -228,6 +230,22 @@ class Simulation:
         )
         self.part = grown
         return self._ended() if increment.arrested else None
+
+    def _ahead(self) -> list[Array]:
+        """Where tips stand after the next increments if they run straight on."""
+        found = []
+        for k, line in enumerate(self.part.tips):
+            at, along = line[-1], line[-1] - line[-2]
+            along = along / np.linalg.norm(along)
+            for _ in range(AHEAD):
+                increment = self.surroundings.increment(
+                    self.part, at, along, self.lengths.growth, self.lengths.ahead, self._crack_of(k)
+                )
+                if increment.arrested:
+                    break
+                at = increment.end
+                found.append(at)
+        return found
 
     def _increment(self, event: Event) -> Increment:
         """Where the event's increment ends."""
