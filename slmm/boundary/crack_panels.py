@@ -74,6 +74,7 @@ def tip_rule(p: int) -> tuple[Array, Array, Array]:
     return x, w, np.linalg.inv(legendre.legvander(x, 2 * p - 1)[:, 1::2])
 
 
+@lru_cache
 def slope_at_tip(p: int) -> Array:
     """From values at the points of a panel with a tip to their derivative by the root of the distance, at the tip."""
     _, _, inverse = tip_rule(p)
@@ -121,6 +122,9 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
                 shortest / length[k] if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
                 shortest / length[k] if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
             )
+            if max(first_tip, last_tip) < 0 and min(ends) > 1.0 - ROUND_OFF:
+                found.append((a, b, -1))
+                continue
             # the next segments have their kink in common, whose grade takes care
             next_to = [piece for i, piece in enumerate(samples[c]) if abs(i - k) == 1]
             apart = others + [piece for i, piece in enumerate(samples[c]) if abs(i - k) > 1]

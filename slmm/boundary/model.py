@@ -176,7 +176,7 @@ class BoundaryModel:
         """
         return float(self.body.scale * np.sum(np.abs(self.panels.dz) * (self.t * self.g.conj()).real))
 
-    @property
+    @cached_property
     def hoop(self) -> Array:
         """Normal stress (n,) along the boundary at the panels' points, MPa: from densities alone, without kernels."""
         return hoop_stress(self.panels, self.g, self.t, self.body.E, self.body.nu, self.body.scale)
