@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -44,6 +45,8 @@ class Body:
     p : int
         Gauss points on each panel.
     grading : MouthGrading
+    ahead : sequence of complex
+        Where tips may come to be, mm: panels are as short as these ask for, too.
 
     Attributes
     ----------
@@ -59,7 +62,13 @@ class Body:
     """
 
     def __init__(
-        self, part: Part, material: Material, loading: Loading, p: int, grading: MouthGrading = FINE
+        self,
+        part: Part,
+        material: Material,
+        loading: Loading,
+        p: int,
+        grading: MouthGrading = FINE,
+        ahead: Sequence[complex] = (),
     ) -> None:
         """Assemble and factorise."""
         check_in_one_piece(part)
@@ -68,7 +77,9 @@ class Body:
         self.E, self.nu, self.mu, self.kappa = E, nu, shear_modulus(E, nu), kolosov(nu)
         self.scale = (self.kappa + 1) / (2 * self.mu)
         self.mouths = mouths_of(part)
-        self.panels = panelled(boundary_of(part, self.mouths, loading, grading.side), part, tips_of(part), p)
+        self.panels = panelled(
+            boundary_of(part, self.mouths, loading, grading.side), part, [*tips_of(part), *ahead], p
+        )
         self.border = Border.none(2 * self.panels.n)
         self._set_conditions()
         self._factorise()
@@ -119,17 +130,25 @@ class Body:
             result[panels] += (np.cumsum(whole[panels]) - whole[panels])[:, None]
         return result.ravel()
 
-    def by_values(self, by_resultants: Complex) -> Complex:
-        """What is given by resultants with weights (t, n), as weights (t, n) of the values."""
+    def _by_values(self, by_resultants: Complex) -> Complex:
+        """What is given by resultants with weights (t, n), as weights (t, h) of the values at held points."""
         p = self.panels.p
         local = integration(p)
-        at = by_resultants.reshape(len(by_resultants), -1, p)
-        result, whole = at @ local[:p], at.sum(axis=2)
-        for panels in self._contours:
-            later = np.cumsum(whole[:, panels][:, ::-1], axis=1)[:, ::-1] - whole[:, panels]
-            result[:, panels] += later[:, :, None] * local[p]
-        result *= 0.5 * self.panels.length[:, None]
-        return result.reshape(by_resultants.shape)
+        half = 0.5 * self.panels.length
+        of_point = self.held_rows // p
+        found = []
+        for panels in self._contours:  # integrals begin anew on each
+            which = np.unique(of_point[(of_point >= panels.start) & (of_point < panels.stop)])
+            if not len(which):
+                continue
+            at = by_resultants[:, panels.start * p : panels.stop * p].reshape(len(by_resultants), -1, p)
+            whole = at.sum(axis=2)
+            later = np.cumsum(whole[:, ::-1], axis=1)[:, ::-1] - whole
+            mine = which - panels.start
+            values = (at[:, mine] @ local[:p] + later[:, mine, None] * local[p]) * half[which, None]
+            place = (which[:, None] * p + np.arange(p)).ravel()
+            found.append(values.reshape(len(at), -1)[:, np.isin(place, self.held_rows)])
+        return np.concatenate(found, axis=1)
 
     @cached_property
     def held_rows(self) -> NDArray[np.int64]:
@@ -156,8 +175,8 @@ class Body:
             return Linear(none, none)
         to_jumps = self.to_jumps[:, rows]
         return Linear(
-            unit * (self.by_values(by_q.one)[:, rows] + by_jumps.one @ to_jumps),
-            np.conj(unit) * (self.by_values(by_q.other)[:, rows] + by_jumps.other @ to_jumps),
+            unit * (self._by_values(by_q.one) + by_jumps.one @ to_jumps),
+            np.conj(unit) * (self._by_values(by_q.other) + by_jumps.other @ to_jumps),
         )
 
     def displacement_by_jumps(self, targets: Complex) -> Linear:

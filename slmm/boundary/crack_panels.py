@@ -21,6 +21,8 @@ AT_KINK, AT_TIP = 0.02, 0.4
 #: a panel over its distance from surfaces and next segments, and from others, whose tips make stresses vary most
 #: (chosen likewise)
 PER_DISTANCE, PER_CRACK = 1.5, 0.75
+#: of lengths of segments that are equal but for rounding
+ROUND_OFF = 1e-6
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
 MILD = 0.35
 #: kinks that turn by more, rad, and meetings of cracks need panels so short (chosen on 30 random plates)
@@ -72,6 +74,7 @@ def tip_rule(p: int) -> tuple[Array, Array, Array]:
     return x, w, np.linalg.inv(legendre.legvander(x, 2 * p - 1)[:, 1::2])
 
 
+@lru_cache
 def slope_at_tip(p: int) -> Array:
     """From values at the points of a panel with a tip to their derivative by the root of the distance, at the tip."""
     _, _, inverse = tip_rule(p)
@@ -127,6 +130,9 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
                 shortest / length[k] if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
                 shortest / length[k] if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
             )
+            if max(first_tip, last_tip) < 0 and min(ends) > 1.0 - ROUND_OFF:
+                found.append((a, b, -1))
+                continue
             # the next segments have their kink in common, whose grade takes care
             next_to = [piece for i, piece in enumerate(samples[c]) if abs(i - k) == 1]
             apart = others + [piece for i, piece in enumerate(samples[c]) if abs(i - k) > 1]
@@ -181,7 +187,7 @@ def _segment(
         z = a + np.linspace(u, v, 5) * (b - a)
         # at a mouth the surface itself is near
         allowed = min(max(u, first), max(1.0 - v, last), max(near.longest(z) / length, min(first, last)))
-        if v - u > allowed * (1 + 1e-9):
+        if v - u > allowed * (1 + ROUND_OFF):
             todo += [(u, 0.5 * (u + v)), (0.5 * (u + v), v)]
         else:
             panels.append((a + u * (b - a), a + v * (b - a), -1))
@@ -190,7 +196,7 @@ def _segment(
 
 def _tip_share(tip: complex, other: complex, grade: float, near: _Near) -> float:
     """Length of the panel at a tip over that of its segment, whose other end needs panels as short as ``grade``."""
-    return min(1.0 if grade == 1.0 else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
+    return min(1.0 if grade > 1.0 - ROUND_OFF else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
 
 
 def _sampled(a: complex, b: complex) -> Complex:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -85,12 +85,21 @@ class BoundaryModel:
             solution = self._with_cracks(solution)
         self._take(solution)
 
-    def with_cracks_of(self, part: Part) -> BoundaryModel:
-        """The same with other cracks, as after growth; the factorised body stays where it serves."""
-        body = self.body if self.body.serves(part) else None
+    def with_cracks_of(self, part: Part, ahead: Sequence[complex] = ()) -> BoundaryModel:
+        """The same with other cracks, as after growth; the factorised body stays where it serves.
+
+        Parameters
+        ----------
+        part : Part
+        ahead : sequence of complex
+            Where tips may come to be, mm, for which another body serves at once.
+        """
+        old = self.body
+        body = old if old.serves(part) else None
         if any("crack" in (crack.start.kind, crack.end.kind) for crack in part.cracks):
             check_in_one_piece(part)  # without a new mouth only cracks that meet can sever it
-        old = self.body
+        if body is None:
+            body = Body(part, old.material, old.loading, old.p, old.grading, ahead)
         grown = BoundaryModel(
             part, old.material, old.loading, old.p, self.crack_p, body, self.contact, old.grading
         )
@@ -214,7 +223,7 @@ class BoundaryModel:
         """
         return float(self.body.scale * np.sum(np.abs(self.panels.dz) * (self.t * self.g.conj()).real))
 
-    @property
+    @cached_property
     def hoop(self) -> Array:
         """Normal stress (n,) along the boundary at the panels' points, MPa: from densities alone, without kernels."""
         return hoop_stress(self.panels, self.g, self.t, self.body.E, self.body.nu, self.body.scale)

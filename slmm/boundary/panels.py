@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,43 +106,51 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
         )
     x, w = rule(p)
     xf, _ = rule(2 * p)
-    z, dz, tangent, curvature, ends, fine, fine_tangent = [], [], [], [], [], [], []
-    for stretch, a, b, _, _ in parts:
-        middle, half = 0.5 * (a + b), 0.5 * (b - a)
-        points, along, bend = stretch.at(middle + half * x)
+    z, dz, tangent, curvature, ends, fine, fine_tangent, span = [], [], [], [], [], [], [], []
+    for stretch, a, b in _by_stretch(parts):
+        middle, half = 0.5 * (a + b)[:, None], 0.5 * (b - a)[:, None]
+        points, along, bend = stretch.at((middle + half * x).ravel())
         z.append(points)
         tangent.append(along)
         curvature.append(bend)
-        dz.append(along * (w * half * stretch.length))
-        points, along, _ = stretch.at(middle + half * xf)
+        dz.append(along * (w * half * stretch.length).ravel())
+        points, along, _ = stretch.at((middle + half * xf).ravel())
         fine.append(points)
         fine_tangent.append(along)
-        ends.append(stretch.at(np.array([a, b]))[0])
-    ends_of, z_of, fine_of = np.array(ends), np.array(z), np.array(fine)
+        ends.append(stretch.at(np.column_stack([a, b]).ravel())[0])
+        curved = np.column_stack([stretch.s[0] - a * stretch.length, stretch.s[0] - b * stretch.length])
+        span.append(np.full((len(a), 2), np.nan) if stretch.outline is None else curved)
+    all_z = np.concatenate(z)
+    ends_of, fine_of = np.concatenate(ends).reshape(-1, 2), np.concatenate(fine).reshape(-1, 2 * p)
     return Panels(
         p,
-        np.concatenate(z),
+        all_z,
         np.concatenate(dz),
         np.concatenate(tangent),
         np.concatenate(curvature),
         ends_of,
         np.array([stretch.outline is None for stretch, *_ in parts]),
-        np.array(
-            [
-                (np.nan, np.nan)
-                if stretch.outline is None
-                else (stretch.s[0] - a * stretch.length, stretch.s[0] - b * stretch.length)
-                for stretch, a, b, *_ in parts
-            ]
-        ),
+        np.concatenate(span),
         np.array([c for *_, c, _ in parts]),
         np.array([stretch.hole for stretch, *_ in parts]),
         np.array([number for *_, number in parts]),
         fine_of,
-        np.array(fine_tangent),
-        _inverses(z_of, ends_of),
+        np.concatenate(fine_tangent).reshape(-1, 2 * p),
+        _inverses(all_z.reshape(-1, p), ends_of),
         _inverses(fine_of, ends_of),
     )
+
+
+def _by_stretch(
+    parts: Sequence[tuple[Stretch, float, float, int, int]],
+) -> list[tuple[Stretch, Array, Array]]:
+    """The stretches in turn, with the shares at which their panels begin and end."""
+    found = []
+    for _, group in groupby(parts, key=lambda part: part[4]):
+        panels = list(group)
+        a, b = (np.array([panel[k] for panel in panels]) for k in (1, 2))
+        found.append((panels[0][0], a, b))
+    return found
 
 
 def _inverses(z: Complex, ends: Complex) -> Complex:
@@ -165,26 +173,27 @@ def _samples(stretches: Sequence[Stretch]) -> Complex:
 def _cuts(stretch: Stretch, others: Complex, side: float) -> list[float]:
     """Shares of a stretch at which its panels end, halved until each is short enough."""
     length = stretch.length
-    todo, done = [(0.0, 1.0)], [0.0]
-    if stretch.closed:
-        todo = [(k / 4, (k + 1) / 4) for k in range(4)]
-    todo.reverse()
-    while todo:
-        a, b = todo.pop()
-        share = np.linspace(a, b, 9)
-        z, _, bend = stretch.at(share)
-        allowed = PER_SIDE * side
+    a = np.arange(4) / 4 if stretch.closed else np.zeros(1)
+    b = a + 1 / len(a)
+    done = [np.zeros(1)]
+    while len(a):
+        share = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, 9)
+        z, _, bend = stretch.at(share.ravel())
+        allowed = np.full(len(a), PER_SIDE * side)
         if stretch.outline is not None:
-            allowed = min(allowed, PER_RADIUS / max(float(np.abs(bend).max()), 1e-12))
+            sharpest = np.abs(bend).reshape(share.shape).max(axis=1)
+            allowed = np.minimum(allowed, PER_RADIUS / np.maximum(sharpest, 1e-12))
         if len(others):
-            allowed = min(allowed, PER_DISTANCE * float(np.abs(z[:, None] - others).min()))
+            nearest = np.abs(z[:, None] - others).min(axis=1).reshape(share.shape).min(axis=1)
+            allowed = np.minimum(allowed, PER_DISTANCE * nearest)
         if not stretch.closed:
             # towards both ends panels become as short as their distance from there
             first, last = stretch.last
-            allowed = min(allowed, max(a, first) * length, max(1.0 - b, last) * length)
-        if (b - a) * length > max(allowed, 1e-7 * length) * (1 + 1e-9):
-            middle = 0.5 * (a + b)
-            todo += [(middle, b), (a, middle)]
-        else:
-            done.append(b)
-    return done
+            towards_ends = np.minimum(np.maximum(a, first), np.maximum(1.0 - b, last))
+            allowed = np.minimum(allowed, towards_ends * length)
+        long = (b - a) * length > np.maximum(allowed, 1e-7 * length) * (1 + 1e-9)
+        done.append(b[~long])
+        middle = 0.5 * (a + b)[long]
+        a, b = np.concatenate([a[long], middle]), np.concatenate([middle, b[long]])
+    cuts: list[float] = np.sort(np.concatenate(done)).tolist()
+    return cuts

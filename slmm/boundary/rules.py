@@ -62,6 +62,12 @@ def values_at(xi: Array, p: int) -> Array:
     return legendre.legvander(xi, p - 1) @ _coefficients(p)
 
 
+@lru_cache
+def differentiation(p: int) -> Array:
+    """From values at p Gauss points to derivatives by xi there, shape (p, p)."""
+    return slopes_at(rule(p)[0], p)
+
+
 def slopes_at(xi: Array, p: int) -> Array:
     """The same for derivatives by xi."""
     slopes = [legendre.legval(xi, legendre.legder(np.eye(p)[n])) for n in range(p)]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.boundary.panels import Panels
-from slmm.boundary.rules import Array, Complex, rule, slopes_at, values_at
+from slmm.boundary.rules import Array, Complex, differentiation, slopes_at, values_at
 from slmm.part.part import Part
 
 #: distances to two sides of a corner are the same within; round-off
@@ -135,7 +135,6 @@ def surface_stress(
 def hoop_stress(panels: Panels, g: Complex, t: Complex, E: float, nu: float, scale: float) -> Array:
     """Normal stress (n,) along the boundary at the panels' points, MPa; parameters as of `surface_stress`."""
     p = panels.p
-    x, _ = rule(p)
-    slope = (g.reshape(-1, p) @ slopes_at(x, p).T).ravel() * np.repeat(2 / panels.length, p)
+    slope = (g.reshape(-1, p) @ differentiation(p).T).ravel() * np.repeat(2 / panels.length, p)
     normal = (t * (-1j * panels.tangent).conj()).real
     return np.asarray(E * scale * (slope * panels.tangent.conj()).real + nu * normal)

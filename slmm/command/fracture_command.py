@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -158,7 +159,7 @@ def _runs(result: xr.Dataset) -> list[tuple[int, int]]:
     """First and last steps of stretches in which one crack grows at one displacement."""
     crack, u = result.tip.values, result.u_load.values
     first = [k for k in range(len(crack)) if k == 0 or crack[k] != crack[k - 1] or u[k] != u[k - 1]]
-    return [(a, b - 1) for a, b in zip(first, [*first[1:], len(crack)], strict=True)]
+    return [(a, b - 1) for a, b in pairwise([*first, len(crack)])]
 
 
 def _neighbour(step: list[float], at: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,12 +90,19 @@ class BoundaryEngine:
         self.order, self.crack_order = next(orders for error, orders in ORDERS if tolerance >= error)
         self._last: BoundaryModel | None = None
 
-    def solve(self, part: Part) -> BoundaryState:
-        """The part with its cracks."""
+    def solve(self, part: Part, ahead: Sequence[Array] = ()) -> BoundaryState:
+        """The part with its cracks.
+
+        Parameters
+        ----------
+        part : Part
+        ahead : sequence of ndarray, shape (2,)
+            Where tips will stand after the next increments if they run straight on, mm.
+        """
         if self._last is None:
             self._last = BoundaryModel(
                 part, self.material, self.loading, self.order, self.crack_order, grading=COARSE
             )
         else:
-            self._last = self._last.with_cracks_of(part)
+            self._last = self._last.with_cracks_of(part, [complex(*point) for point in ahead])
         return BoundaryState(self._last)

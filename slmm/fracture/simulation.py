@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 PER_SIDE = 0.025
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
+#: increments for which a body is prepared at once; chosen
+AHEAD = 4
 ENGINES, INITIATIONS = ("boundary",), ("point",)
 
 
@@ -191,7 +193,7 @@ class Simulation:
     def _step(self) -> Outcome | None:
         """Solve, find the next event, and let it happen; how it ended, if it did."""
         history = self.history
-        state = self.engine.solve(self.part)
+        state = self.engine.solve(self.part, self._ahead())
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
         events = state.events()
@@ -208,7 +210,9 @@ class Simulation:
             work, load = state.finer(event)
             F_finer, u_finer = self.conjugate.force_and_displacement(work * self.part.thickness)
             finer = F_finer / u_finer, load * u_finer
-        last = grown.cracks[crack].start if self._is_at_start(event, crack) else grown.cracks[crack].end
+        at_start = self._is_at_start(event, crack)
+        last = grown.cracks[crack].start if at_start else grown.cracks[crack].end
+        self._note(crack, at_start)
         history.steps.append(
             Step(
                 event.load * u,
@@ -227,6 +231,22 @@ class Simulation:
         self.part = grown
         return self._ended() if increment.arrested else None
 
+    def _ahead(self) -> list[Array]:
+        """Where tips stand after the next increments if they run straight on."""
+        found = []
+        for k, line in enumerate(self.part.tips):
+            at, along = line[-1], line[-1] - line[-2]
+            along = along / np.linalg.norm(along)
+            for _ in range(AHEAD):
+                increment = self.surroundings.increment(
+                    self.part, at, along, self.lengths.growth, self.lengths.ahead, self._crack_of(k)
+                )
+                if increment.arrested:
+                    break
+                at = increment.end
+                found.append(at)
+        return found
+
     def _increment(self, event: Event) -> Increment:
         """Where the event's increment ends."""
         own = self._crack_of(event.tip) if event.kind is Kind.GROWTH else -1
@@ -237,14 +257,17 @@ class Simulation:
 
     def _grown(self, event: Event, increment: Increment) -> tuple[Part, int]:
         """The part after an event, and which crack it was."""
-        k = len(self.history.steps)
         if event.kind is Kind.START:
-            self.reached.append([k, k])
             return self.part.with_crack([event.point, increment.end]), len(self.part.cracks)
-        crack = self._crack_of(event.tip)
-        at = 0 if self._is_at_start(event, crack) else len(self.reached[crack])
-        self.reached[crack].insert(at, k)
-        return self.part.grown(event.tip, increment.end), crack
+        return self.part.grown(event.tip, increment.end), self._crack_of(event.tip)
+
+    def _note(self, crack: int, at_start: bool) -> None:
+        """Remember which step led to the new points of a crack."""
+        k = len(self.history.steps)
+        if crack == len(self.reached):
+            self.reached.append([k, k])
+        else:
+            self.reached[crack].insert(0 if at_start else len(self.reached[crack]), k)
 
     def _crack_of(self, tip: int) -> int:
         """The crack that a tip belongs to."""

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: chords of an outline are this far off it at most, as a share of its length (2000 chords, a circle); computed
 CHORDS = 1e-6
+#: points as near to an outline lie on it, as a share of its length; round-off
+SAME = 1e-12
 
 
 class End(NamedTuple):
@@ -103,9 +105,13 @@ def located(
     """
     cracks = []
     for line in lines:
-        points = in_material(np.asarray(line, dtype=float), body, tolerance).copy()
+        line = np.asarray(line, dtype=float)
+        points = in_material(line, body, tolerance).copy()
         ends = []
         for k in (0, -1):
+            # the body's chords may have cut off what lies on the surface
+            if np.linalg.norm(points[k] - line[k]) <= tolerance:
+                points[k] = line[k]
             end, points[k] = surface_at(points[k], outer, holes, tolerance)
             ends.append(end)
         cracks.append(Crack(points, *ends))
@@ -123,8 +129,10 @@ def surface_at(
         if ((point < low - near) | (point > high + near)).any():
             continue
         nearest = hole.points(hole.project(point[None]))[0]
-        if np.linalg.norm(nearest - point) <= near:
-            return End("surface", k), nearest
+        away = np.linalg.norm(nearest - point)
+        if away <= near:
+            # what lies on it stays as it is
+            return End("surface", k), point if away <= SAME * hole.length else nearest
     at = shapely.Point(point)
     if at.distance(outer) <= tolerance:
         return End("surface"), _nearest_on(shapely.get_coordinates(outer), point, tolerance)

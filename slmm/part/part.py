@@ -216,10 +216,16 @@ class Part:
             lines.append(line)
         if not 0 <= tip <= number:
             raise ValueError(f"tip = {tip}: the part has {number + 1}")
-        return replace(self, cracks=()).with_cracks(lines)
+        return self._cracked(lines)
 
     def with_cracks(self, more: Sequence[ArrayLike]) -> Part:
         """The part with more cracks, see `with_crack`."""
-        lines = [crack.points for crack in self.cracks] + [np.asarray(line, dtype=float) for line in more]
+        return self._cracked([crack.points for crack in self.cracks] + [np.asarray(line) for line in more])
+
+    def _cracked(self, lines: Sequence[ArrayLike]) -> Part:
+        """The part with these cracks alone."""
+        points = [np.asarray(line, dtype=float) for line in lines]
         outer = shapely.LinearRing(self.outer)
-        return replace(self, cracks=located(lines, self.body, outer, self.outlines, self.tolerance))
+        cracked = replace(self, cracks=located(points, self.body, outer, self.outlines, self.tolerance))
+        cracked.__dict__["body"] = self.body  # cracks leave it as it is
+        return cracked

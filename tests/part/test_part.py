@@ -76,6 +76,23 @@ def test_a_crack_grows_at_either_tip_and_into_a_surface():
         part.grown(3, (1, 1))
 
 
+def test_mouths_stay_where_they_are_while_cracks_grow():
+    """To the bit: a model that is factorised for these mouths serves on."""
+    hollow = [
+        (20 + (8 + 2 * np.cos(3 * t)) * np.cos(t), 20 + (8 + 2 * np.cos(3 * t)) * np.sin(t))
+        for t in np.linspace(0.0, 2 * np.pi, 90)[:-1]
+    ]
+    outline = Outline.through(hollow)
+    for s in np.linspace(0.0, outline.length, 12, endpoint=False):
+        mouth, inward = outline.points(s), outline.normals(s)
+        part = Part.plate(40.0, 40.0, [outline], [[mouth, mouth + inward]])
+        start = part.cracks[0].points[0]
+        assert np.linalg.norm(start - mouth) < 1e-9
+        for k in range(2, 6):
+            part = part.grown(0, mouth + k * inward)
+            assert (part.cracks[0].points[0] == start).all()
+
+
 def test_cracks_have_a_common_point_where_they_meet_or_cross():
     part = Part.plate(
         100.0, 80.0, cracks=[[(10, 40), (50, 40)], [(30, 20), (30, 60)], [(20, 40.0003), (20, 70)]]

@@ -81,3 +81,9 @@ def test_boundary_integrals_have_exact_and_high_order_values():
     checks = script("boundary_integrals").main(quick=True)
     assert all(check.holds for check in checks), [check for check in checks if not check.holds]
     assert len(checks) > 20
+
+
+def test_simulated_plates_have_the_toughness_of_the_references():
+    checks = script("fracture_references").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+    assert len(of(checks, quantity="U_T, mJ")) == 5
