@@ -9,6 +9,7 @@ from slmm.scene.gallery import (
     rounded_square,
     sapora_plate,
     square_hole,
+    tensile_plate,
     two_holes,
     v_notch,
 )
@@ -22,6 +23,7 @@ __all__ = [
     "rounded_square",
     "sapora_plate",
     "square_hole",
+    "tensile_plate",
     "two_holes",
     "v_notch",
 ]
