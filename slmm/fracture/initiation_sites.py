@@ -25,7 +25,7 @@ ABOVE_SURFACE = 1.3
 NO_TENSION = 1e-3
 #: peaks between points may be so much higher than at the points; chosen
 BETWEEN = 1.1
-#: points nearer to the mouth of a crack than so many depths belong to it; chosen
+#: points nearer to the mouth of a crack, or to a corner, than so many depths belong to it; chosen
 BESIDE_MOUTH = 2.5
 #: points that a peak is sought by in each of two rounds, and how much the second one is narrower; chosen
 SOUGHT, NARROWER = 7, 0.15
@@ -73,11 +73,18 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
 
 
 def _may_start(model: BoundaryModel, depth: float) -> NDArray[np.bool_]:
-    """Which points (n,) of the boundary are free and not beside the mouth of a crack."""
+    """Which points (n,) of the boundary are free and beside no mouth of a crack, corner or end of a support."""
     z, body = model.panels.z, model.body
     free = ~body.held.any(axis=1)
-    for mouth in body.mouths:
-        free = free & (np.abs(z - mouth) > BESIDE_MOUTH * depth)
+    corners = [
+        outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in model.part.outlines
+    ]
+    at_corners = np.concatenate([np.empty((0, 2)), *corners]) @ [1, 1j]
+    # where a support ends its model has a stress that the support itself would not have
+    supports = [condition.ends for condition in body.loading if any(condition.is_held)]
+    at_supports = np.concatenate([np.empty((0, 2)), *supports]) @ [1, 1j]
+    for place in (*body.mouths, *at_corners.tolist(), *at_supports.tolist()):
+        free = free & (np.abs(z - place) > BESIDE_MOUTH * depth)
     return np.asarray(free)
 
 
@@ -92,6 +99,7 @@ def _along_surfaces(model: BoundaryModel, depth: float, hoop: Array, least: floa
     """Peaks on smooth stretches."""
     panels = model.panels
     below = np.full(panels.n, -np.inf)
+    allowed = np.isfinite(hoop)
     todo = hoop > least
     # first where the surface's own stress is largest: the others need to beat that
     first = np.flatnonzero(todo)[np.argsort(hoop[todo])[-SOUGHT:]]
@@ -111,6 +119,9 @@ def _along_surfaces(model: BoundaryModel, depth: float, hoop: Array, least: floa
         before, after = np.roll(value, 1), np.roll(value, -1)
         step_back = np.mod(way - np.roll(way, 1), contour.length)
         step_on = np.mod(np.roll(way, -1) - way, contour.length)
+        # not into what belongs to a mouth or a corner
+        step_back[np.roll(~allowed[nodes], 1)] = 0.0
+        step_on[np.roll(~allowed[nodes], -1)] = 0.0
         peaks = (value >= before) & (value >= after) & (value > max(least, below.max()) / BETWEEN)
         brackets += [
             (value[k], contour, way[k] - step_back[k], way[k] + step_on[k]) for k in np.flatnonzero(peaks)

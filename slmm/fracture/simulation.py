@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 PER_SIDE = 0.025
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
+#: places along a straight stretch that tell which pieces it holds or loads; chosen
+MIDDLES = (np.arange(20) + 0.5) / 20
 #: increments for which a body is prepared at once; chosen
 AHEAD = 4
 ENGINES, INITIATIONS = ("boundary",), ("point",)
@@ -212,6 +214,7 @@ class Simulation:
             finer = F_finer / u_finer, load * u_finer
         at_start = self._is_at_start(event, crack)
         last = grown.cracks[crack].start if at_start else grown.cracks[crack].end
+        end = grown.cracks[crack].points[0 if at_start else -1]
         self._note(crack, at_start)
         history.steps.append(
             Step(
@@ -219,9 +222,9 @@ class Simulation:
                 F / u,
                 event.kind,
                 crack,
-                tuple(increment.end.tolist()),
-                _name(last) if increment.arrested else "",
-                float(np.linalg.norm(increment.end - event.point)),
+                tuple(end.tolist()),
+                _name(last, grown) if increment.arrested else "",
+                float(np.linalg.norm(end - event.point)),
                 (event.load * event.K[0], event.load * event.K[1]),
                 gap,
                 state.overlaps,
@@ -288,19 +291,25 @@ class Simulation:
         near = 2 * self.part.tolerance
         carried = set()
         for condition in self.loading:
-            points = condition.rule[0]
-            middle = shapely.Point(points[len(points) // 2] if len(points) > 2 else points.mean(axis=0))
-            carried |= {k for k, piece in enumerate(pieces) if shapely.dwithin(piece, middle, near)}
+            points, traction, _ = condition.rule
+            if condition.span is None:
+                points = np.array(condition.start) + MIDDLES[:, None] * np.subtract(
+                    condition.end, condition.start
+                )
+            elif not any(condition.is_held):
+                points = points[np.hypot(*traction.T) > 0]
+            at = shapely.points(points)
+            carried |= {k for k, piece in enumerate(pieces) if shapely.dwithin(piece, at, near).any()}
         if len(carried) < 2:
             return Outcome.LOOSE
         self.history.last_stiffness = 0.0
         return Outcome.SEVERED
 
 
-def _name(end: End) -> str:
+def _name(end: End, part: Part) -> str:
     """What a crack ends at, in words."""
     if end == TIP:
         return ""
     if end.kind == "crack":
         return f"crack {end.number}"
-    return "edge" if end.number < 0 else f"hole {end.number}"
+    return f"hole {end.number}" if 0 <= end.number < len(part.holes) else "edge"

@@ -7,7 +7,7 @@ import xarray as xr
 from slmm.fracture import simulate
 from slmm.fracture.boundary_engine import BoundaryEngine
 from slmm.fracture.history import Outcome
-from slmm.scene.gallery import edge_crack, tensile_plate
+from slmm.scene.gallery import edge_crack, tensile_plate, v_notch
 from slmm.scene.scene import Scene
 
 #: holes (x, y, radius) or (x, y, semi-axes, angle), and U_T of a high-order prototype, mJ
@@ -220,6 +220,39 @@ def test_results_are_labelled_and_written(one_hole, tmp_path):
 def test_the_same_scene_gives_the_same_result_to_the_bit():
     one, other = (simulate(tensile_plate([(38.0, 44.0, 7.0)]), increment=8.0) for _ in range(2))
     xr.testing.assert_identical(one, other)
+
+
+def test_a_crack_starts_at_the_root_of_a_v_notch_along_its_bisector():
+    result = simulate(v_notch(), errors=False)
+    assert (float(result.crack_x[0, 0]), float(result.crack_y[0, 0])) == pytest.approx((10.0, 60.0), abs=1e-6)
+    assert result.crack_y.values[0] == pytest.approx(60.0, abs=1e-3, nan_ok=True)
+    assert result.attrs["outcome"] == Outcome.SEVERED
+
+
+def test_a_crack_that_meets_another_is_arrested_there():
+    wall = {"points": [[30.0, 30.0], [30.0, 50.0]]}
+    cracks = [{"points": [[0.0, 40.0], [10.0, 40.0]]}, wall]
+    result = simulate(tensile_plate(cracks=cracks), increment=4.0, errors=False)
+    arrested = result.arrested_by.values.tolist()
+    k = arrested.index("crack 1")
+    assert float(result.x[k]) == pytest.approx(30.0, abs=1e-9)
+    assert result.attrs["outcome"] == Outcome.SEVERED
+
+
+def test_a_part_of_any_outline_breaks():
+    disk = {
+        "part": {"outline": {"shape": "circle", "center": [0.0, 0.0], "radius": 40.0}, "thickness": 1.0},
+        "cracks": [{"points": [[-40.0, 0.0], [-20.0, 0.0]]}],
+        "material": {"name": "PMMA"},
+        "boundary": [
+            {"at": [0.0, -40.0], "width": 20.0, "displacement": [0.0, 0.0]},
+            {"at": [0.0, 40.0], "width": 20.0, "displacement": ["free", 0.5]},
+        ],
+    }
+    result = simulate(Scene.from_dict(disk), increment=5.0, errors=False)
+    assert result.attrs["outcome"] == Outcome.SEVERED
+    assert result.arrested_by.values[-1] == "edge"
+    assert np.hypot(result.x[-1], result.y[-1]) == pytest.approx(40.0, abs=1e-6)
 
 
 def test_beams_under_a_knife_edge_break_from_the_notch():
