@@ -62,13 +62,27 @@ def test_table_is_the_demo_s():
 
 
 def test_table_of_crack_tips_is_the_command_s():
-    shown = re.findall(r"^ {4,5}(\d .*)$", README, flags=re.MULTILINE)
+    shown = re.findall(r"^ {4,5}(\d [\d. -]*)$", README, flags=re.MULTILINE)
     shown = [row.split() for row in shown if len(row.split()) == 12]
     printed = CliRunner().invoke(app, ["forces", "examples/inclined_crack.frd"]).stdout.splitlines()
     printed = [row.split() for row in printed if re.match(r" *\d .*\d *$", row) and len(row.split()) == 12]
     assert len(shown) == len(printed) == 2
     for here, there in zip(shown, printed, strict=True):
         assert [float(x) for x in here] == pytest.approx([float(x) for x in there], rel=2e-3)
+
+
+def test_table_of_simulated_fracture_is_the_command_s():
+    shown = re.findall(r"^ {4}(\d+ to \d+ .*|Tensile toughness.*)$", README, flags=re.MULTILINE)
+    printed = CliRunner().invoke(app, ["fracture", "examples/tensile_plate.toml"]).stdout
+    assert len(shown) == 3
+    numbers = r"[\d.]+"
+    for line in shown:
+        start = line.split("  ")[0].split("=")[0].strip()
+        there = next(row for row in printed.splitlines() if row.strip().startswith(start))
+        ours, theirs = (
+            [float(x) for x in re.findall(numbers, row.rstrip("."))] for row in (line, there.rstrip("."))
+        )
+        assert theirs == pytest.approx(ours, rel=5e-3, abs=0.05)
 
 
 def test_links_lead_somewhere():
