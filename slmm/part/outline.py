@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from slmm.part.accuracy import Accuracy
 from slmm.part.outline_splines import (
+    backwards,
     checked_pieces,
     chord_lengths,
     enclosed_area,
@@ -170,18 +171,9 @@ class Outline:
         >>> square.reversed().normals([0.5]).round(6).tolist(), square.reversed().corner_angles.round(6).tolist()
         ([[1.0, -0.0]], [4.712389, 4.712389, 4.712389, 4.712389])
         """
-        a, b, c, d = self.coefficients
-        h = np.diff(self.breaks)[:, None]
-        backwards = np.array(
-            [-a, 3 * a * h + b, -((3 * a * h + 2 * b) * h + c), ((a * h + b) * h + c) * h + d]
-        )
+        breaks, coefficients = self.length - self.breaks[::-1], backwards(self.breaks, self.coefficients)
         corners = np.sort((self.length - self.corners) % self.length)
-        return replace(
-            self,
-            breaks=read_only(self.length - self.breaks[::-1]),
-            coefficients=read_only(backwards[:, ::-1]),
-            corners=read_only(corners),
-        )
+        return Outline(read_only(breaks), read_only(coefficients), read_only(corners), self.accuracy)
 
     @cached_property
     def _curve(self) -> PPoly:

@@ -202,3 +202,11 @@ def curvature_jumps(breaks: Array, coefficients: Array) -> Array:
     starts, ends = bend(c, 2 * b), bend((3 * a * h + 2 * b) * h + c, 6 * a * h + 2 * b)
     jump = np.abs(starts - np.roll(ends, 1))
     return breaks[:-1][jump > JUMP * np.abs(starts).max(initial=1e-300)]
+
+
+def backwards(breaks: Array, coefficients: Array) -> Array:
+    """Coefficients (4, m, 2) of the same pieces from the last one's end to the first one's start."""
+    a, b, c, d = coefficients
+    h = np.diff(breaks)[:, None]
+    turned = [-a, 3 * a * h + b, -((3 * a * h + 2 * b) * h + c), ((a * h + b) * h + c) * h + d]
+    return np.array(turned)[:, ::-1]
