@@ -202,7 +202,7 @@ def test_loads_that_do_not_grow_as_one_are_refused():
         {"on": "top", "displacement": ["free", 1.0]},
         {"on": "right", "traction": [1.0, 0.0]},
     ]
-    with pytest.raises(ValueError, match="displacements .* and forces .* together"):
+    with pytest.raises(ValueError, match=r"displacements .* and forces .* together"):
         simulate(tensile_plate(boundary=both))
 
 
