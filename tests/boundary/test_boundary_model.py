@@ -5,8 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from slmm.boundary.contour import Contour
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.panels import TooManyPointsError
+from slmm.boundary.stretches import COARSE
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
 from slmm.part.part import Part
@@ -319,3 +321,46 @@ def test_the_finer_model_of_a_crack_that_grows_keeps_its_body():
     grown = model.with_cracks_of(part.grown(0, (3.5, 10.1)))
     assert grown.finer.body is before.body
     assert grown.finer.cracks.p == before.cracks.p
+
+
+def test_a_model_that_grew_is_the_one_made_at_once():
+    """Rows and columns of panels that stay are those of the panels anew, coarse or fine towards mouths."""
+    part = Part.plate(100.0, 100.0, THREE, [[(0, 50), (10, 50)]])
+    loading = plate_loading(100.0, 100.0, displacement=0.1)
+    grown = BoundaryModel(part, PMMA, loading)
+    for end in ((12.0, 50.2), (14.0, 50.1), (16.0, 50.3)):
+        part = part.grown(0, end)
+        grown = grown.with_cracks_of(part)
+    K = grown.stress_intensities()
+    assert pytest.approx(BoundaryModel(part, PMMA, loading).stress_intensities(), rel=1e-9) == K
+    coarse = BoundaryModel(part, PMMA, loading, grading=COARSE)
+    assert coarse.panels.n < grown.panels.n
+    assert coarse.stress_intensities() == pytest.approx(K, abs=5e-5 * K[0, 0])
+
+
+def test_work_is_force_times_displacement_and_cracks_open():
+    part = Part.plate(100.0, 100.0, THREE, [[(0, 50), (15, 50)]])
+    loading = plate_loading(100.0, 100.0, displacement=0.1)
+    model = BoundaryModel(part, PMMA, loading)
+    assert model.work == pytest.approx(0.1 * model.reaction(loading.conditions[1])[1], rel=1e-9)
+    assert model.openings.min() > 0
+
+
+def test_hoop_stress_at_the_points_is_that_of_the_surface():
+    part = Part.plate(100.0, 100.0, THREE)
+    model = BoundaryModel(part, PMMA, plate_loading(100.0, 100.0, stress=1.0))
+    on_hole = np.repeat(model.panels.hole >= 0, model.panels.p)
+    z = model.panels.z[on_hole]
+    stress = model.stress(np.column_stack([z.real, z.imag]))
+    assert model.hoop[on_hole] == pytest.approx(stress[:, 0] + stress[:, 1], abs=1e-9)
+
+
+def test_places_along_a_contour_are_its_points():
+    part = Part.plate(100.0, 100.0, THREE, [[(0, 50), (15, 50)]])
+    model = BoundaryModel(part, PMMA, plate_loading(100.0, 100.0, stress=1.0))
+    for number in range(4):
+        contour = Contour(part, model.panels, number)
+        where = contour.at(contour.way)
+        assert where.points @ [1, 1j] == pytest.approx(model.panels.z[contour.nodes], abs=1e-8)
+        inward = 1j * model.panels.tangent[contour.nodes]
+        assert where.inward @ [1, 1j] == pytest.approx(inward, abs=1e-8)
