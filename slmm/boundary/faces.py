@@ -22,6 +22,12 @@ def opening_of(jump: Complex, direction: Complex) -> Array:
     return (jump * direction.conj()).imag
 
 
+def overlap(jump: Array, direction: Complex) -> bool:
+    """Whether faces with jumps (2 m,), real and imaginary parts in turn, overlap anywhere."""
+    opening = opening_of(jump[::2] + 1j * jump[1::2], direction)
+    return bool(opening.min() < -ROUND_OFF * np.abs(jump).max(initial=1e-300))
+
+
 def held_closed(S: Array, load: Array, direction: Complex) -> tuple[Array, NDArray[np.bool_]]:
     """Jumps (2 m,) that nowhere overlap, and where faces touch (m,), without friction.
 

@@ -12,7 +12,7 @@ from slmm.boundary.body import Body, check_in_one_piece
 from slmm.boundary.crack_panels import CrackPanels, at_tip, crack_panels, slope_at_tip
 from slmm.boundary.densities import displacement_of_boundary, of_cracks, stress_of_boundary, stress_of_jumps
 from slmm.boundary.elimination import bordered, jumps
-from slmm.boundary.faces import held_closed, opening_of
+from slmm.boundary.faces import held_closed, opening_of, overlap
 from slmm.boundary.rules import Array, Complex, values_at
 from slmm.boundary.stretches import FINE, MouthGrading
 from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
@@ -140,11 +140,10 @@ class BoundaryModel:
         self.body.border = bordered(self.body, self.cracks, self.body.border)
         border = self.body.border
         self.touching = np.zeros(len(self.cracks.z), dtype=bool)
-        if self.contact:
-            along = np.repeat(self.cracks.direction, self.cracks.p)
+        jump = jumps(border)
+        along = np.repeat(self.cracks.direction, self.cracks.p)
+        if self.contact and overlap(jump, along):
             jump, self.touching = held_closed(border.matrix, -border.traction, along)
-        else:
-            jump = jumps(border)
         self.c = jump[::2] + 1j * jump[1::2]
         return np.asarray(base - jump @ self.body.border.columns)
 
@@ -227,14 +226,6 @@ class BoundaryModel:
     def hoop(self) -> Array:
         """Normal stress (n,) along the boundary at the panels' points, MPa: from densities alone, without kernels."""
         return hoop_stress(self.panels, self.g, self.t, self.body.E, self.body.nu, self.body.scale)
-
-    @property
-    def openings(self) -> Array:
-        """How far the faces of the cracks are apart at their points (m,), mm; negative where they would overlap."""
-        c = self.cracks
-        if c is None:
-            return np.empty(0)
-        return self.body.scale * (np.repeat(c.direction, c.p).conj() * self.c).imag
 
     def displacement(self, points: Array) -> Array:
         """Displacements (k, 2) at points (k, 2), mm; beside the material those of the surface there."""

@@ -149,10 +149,8 @@ def _print_result(result: xr.Dataset) -> None:
             " there.",
             soft_wrap=True,
         )
-    if overlaps := int(result.overlaps.sum()):
-        out.print(
-            f"In {overlaps} steps faces of cracks overlap, which the model does not prevent.", soft_wrap=True
-        )
+    if touches := int(result.touches.sum()):
+        out.print(f"In {touches} steps faces of cracks hold each other, without friction.", soft_wrap=True)
 
 
 def _runs(result: xr.Dataset) -> list[tuple[int, int]]:

@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 #: Gauss points on panels of the boundary and of cracks, by the error of U_T that they reach; chosen on
 #: validation/fracture_references.py
 ORDERS = ((2e-3, (6, 5)), (1e-4, (8, 8)), (0.0, (10, 10)))
-#: faces that overlap by less than this share of the largest opening are closed; round-off and the ends of cracks
-OVERLAP = 1e-3
+#: share of the points on cracks whose faces touch that counts; the ends of cracks may by their discretisation; chosen
+TOUCHING = 0.02
 #: K_I is none below this share of the largest stress along surfaces times sqrt(pi a); round-off and discretisation
 NO_OPENING = 1e-4
 
@@ -47,10 +47,10 @@ class BoundaryState:
         return self.model.work
 
     @property
-    def overlaps(self) -> bool:
-        """Whether faces of cracks would overlap, which the model does not prevent."""
-        opening = self.model.openings
-        return bool(len(opening) and opening.min() < -OVERLAP * opening.max())
+    def touches(self) -> bool:
+        """Whether faces of cracks hold each other over more than the last points before their ends."""
+        touching = self.model.touching
+        return bool(len(touching) and touching.mean() > TOUCHING)
 
     def events(self) -> list[Event]:
         """What may happen next, where it competes with the lowest load."""
@@ -101,7 +101,7 @@ class BoundaryEngine:
         """
         if self._last is None:
             self._last = BoundaryModel(
-                part, self.material, self.loading, self.order, self.crack_order, grading=COARSE
+                part, self.material, self.loading, self.order, self.crack_order, contact=True, grading=COARSE
             )
         else:
             self._last = self._last.with_cracks_of(part, [complex(*point) for point in ahead])

@@ -72,11 +72,11 @@ def fracture_result(
             "released": ("step", history.released, "mJ", "stored energy set free by the step"),
             "dissipated": ("step", dissipated, "mJ", "G_c times the new crack's area"),
             "gap": ("step", gap, "1", "by which the next event's load is higher, relative"),
-            "overlaps": (
+            "touches": (
                 "step",
-                np.array([s.overlaps for s in steps], dtype=bool),
+                np.array([s.touches for s in steps], dtype=bool),
                 "1",
-                "faces would overlap",
+                "whether faces of cracks hold each other",
             ),
             "crack_x": (("crack", "point"), x, "mm", "x along the cracks"),
             "crack_y": (("crack", "point"), y, "mm", "y along the cracks"),

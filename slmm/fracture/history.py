@@ -49,8 +49,8 @@ class Step:
         K_I and K_II at the critical load, MPa sqrt(mm); NaN of a start.
     gap : float
         By which share the next event's load was higher; NaN where there was none.
-    overlaps : bool
-        Whether faces of cracks would have overlapped.
+    touches : bool
+        Whether faces of cracks held each other.
     finer : (float, float)
         Stiffness, N/mm, and critical displacement, mm, of a finer model; NaN where it was not asked.
     """
@@ -64,7 +64,7 @@ class Step:
     length: float
     K: tuple[float, float]
     gap: float
-    overlaps: bool
+    touches: bool
     finer: tuple[float, float] = (math.nan, math.nan)
 
 

@@ -227,7 +227,7 @@ class Simulation:
                 float(np.linalg.norm(end - event.point)),
                 (event.load * event.K[0], event.load * event.K[1]),
                 gap,
-                state.overlaps,
+                state.touches,
                 finer,
             )
         )
