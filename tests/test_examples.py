@@ -50,7 +50,7 @@ def test_the_v_notch_is_little_stronger_than_a_crack_of_its_depth():
 
 @pytest.mark.parametrize("scene_file", PARTS, ids=lambda path: path.stem)
 def test_part_by_boundary_integrals_and_on_a_mesh(scene_file, tmp_path):
-    """The stress along all surfaces by both, within what both estimate and half a percent of the largest."""
+    """The stress along all surfaces by both, within what both estimate and one percent of the largest."""
     picture = tmp_path / "picture.png"
     command = [
         "initiation",
@@ -74,4 +74,4 @@ def test_part_by_boundary_integrals_and_on_a_mesh(scene_file, tmp_path):
     assert both.sum() >= 4
     apart = np.abs(one.failure_index - other.failure_index)[both]
     told = (one.failure_index_error + other.failure_index_error)[both]
-    assert (apart <= told + 5e-3 * other.failure_index.max()).all()
+    assert (apart <= told + 0.01 * other.failure_index.max()).all()
