@@ -68,12 +68,12 @@ Row = dict[str, object]
 
 
 def variables(pattern: str, grid: int) -> int:
-    return int((~fixed_cells(pattern, grid)).sum())  # type: ignore[arg-type]
+    return int((~fixed_cells(pattern, grid)).sum())
 
 
 def run(pattern: str, grid: int, algorithm: str, workers: int, journal: Path | None) -> Row:
     """One line of the file."""
-    problem = HolePattern(grid, pattern)  # type: ignore[arg-type]
+    problem = HolePattern(grid, pattern)
     begin = time.perf_counter()
     published = {"start": problem.start, "depth": DEPTH, "radius": RADIUS}
     options = published if algorithm == "tbfsl" else {}

@@ -8,8 +8,10 @@
   kink.
 
 Required: the mean toughness of all 16 half disks within the scatter of the tests in mode I (0.057 of 1.012), the first
-kink of the disk with four tests within two degrees. Half a minute; ``--quick`` does the symmetric half disks (within
-the 12 % by which single loads scatter) and one disk. Writes validation/results/part_experiments.csv.
+kink of the disk with four tests within two degrees. The symmetric half disks alone are told: the K of their authors is
+9 to 14 % above ours, which the handbook's fit agrees with to 2 %. So is where the kink is read: 52 degrees at the root,
+57 over 10 mm; a slit in place of the slot gives 51. Half a minute; ``--quick`` does one disk. Writes
+validation/results/part_experiments.csv.
 """
 
 from __future__ import annotations
@@ -70,10 +72,10 @@ def toughness(K_I: float, K_II: float) -> float:
     return math.cos(angle / 2) * (K_I * math.cos(angle / 2) ** 2 - 1.5 * K_II * math.sin(angle))
 
 
-def half_disks(quick: bool) -> list[Check]:
+def half_disks() -> list[Check]:
     with open(EXPERIMENTS / "asymmetric_scb_loads.csv", newline="") as lines:
-        rows = [row for row in csv.DictReader(lines) if not quick or row["specimen"].startswith("30-")]
-    checks, found = [], []
+        rows = list(csv.DictReader(lines))
+    checks, found, symmetric = [], [], []
     for row in rows:
         scene = half_disk(row)
         (K,) = BoundaryModel(scene.part, scene.material, scene.loading).stress_intensities() / ROOT_MM
@@ -99,17 +101,22 @@ def half_disks(quick: bool) -> list[Check]:
             ),
         ]
         found.append(K_Ic)
+        if row["S1_mm"] == row["S2_mm"]:
+            symmetric.append(K_Ic)
     checks.append(
         Check(
             f"{len(found)} half disks",
             "mean K_Ic, MPa sqrt(m)",
             1.012,
             float(np.mean(found)),
-            (0.12 if quick else 0.057 / 1.012),
+            0.057 / 1.012,
             source="tests of the symmetric ones, 1.012 +- 0.057",
         )
     )
-    return checks
+    told = Check(
+        f"{len(symmetric)} symmetric half disks", "mean K_Ic", 1.012, float(np.mean(symmetric)), rule="told"
+    )
+    return [*checks, told]
 
 
 def slotted_disk(degrees: float) -> Scene:
@@ -164,7 +171,7 @@ def disks(quick: bool) -> list[Check]:
 
 
 def main(quick: bool = False) -> list[Check]:
-    checks = half_disks(quick) + disks(quick)
+    checks = half_disks() + disks(quick)
     show("Tests on half disks and disks", checks)
     if not quick:
         save("part_experiments", (check.row() for check in checks))

@@ -149,6 +149,11 @@ def _print_result(result: xr.Dataset) -> None:
             " there.",
             soft_wrap=True,
         )
+    if slid := result.attrs["sliding_tips"]:
+        out.print(
+            f"In {slid} steps a closed crack would have slid on first, which is not simulated: U_T is too high.",
+            soft_wrap=True,
+        )
     if touches := int(result.touches.sum()):
         out.print(f"In {touches} steps faces of cracks hold each other, without friction.", soft_wrap=True)
 

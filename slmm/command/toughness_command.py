@@ -84,7 +84,7 @@ def toughness(
             from slmm.optimization.hole_patterns.problem import HolePattern
             from slmm.optimization.search import search
 
-            problem = HolePattern(grid, pattern, increment)  # type: ignore[arg-type]
+            problem = HolePattern(grid, pattern, increment)
             found = search(
                 problem,
                 "bf" if algorithm == BRUTE_FORCE else algorithm,

@@ -52,6 +52,12 @@ class BoundaryState:
         touching = self.model.touching
         return bool(len(touching) and touching.mean() > TOUCHING)
 
+    def slides_before(self, load: float) -> bool:
+        """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
+        K, material = self.model.stress_intensities(), self.model.body.material
+        closed = K[K[:, 0] <= 0]
+        return any(energy_release_rate(0.0, K_II, material) * load**2 > material.G_c for K_II in closed[:, 1])
+
     def events(self) -> list[Event]:
         """What may happen next, where it competes with the lowest load."""
         part, material = self.model.part, self.model.body.material

@@ -82,6 +82,8 @@ class History:
         After the last step, N/mm; 0 of a severed part.
     last_u : float
         Displacement to which the part was loaded after the last step, mm; 0 if not at all.
+    slid : int
+        Solutions in which a closed tip would have slid on before what happened; that is not simulated.
     """
 
     steps: list[Step] = field(default_factory=list)
@@ -89,6 +91,7 @@ class History:
     reason: str = ""
     last_stiffness: float = 0.0
     last_u: float = 0.0
+    slid: int = 0
 
     @property
     def u(self) -> float:

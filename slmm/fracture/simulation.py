@@ -200,8 +200,10 @@ class Simulation:
         history.last_stiffness = F / u
         events = state.events()
         if not events:
+            history.slid += state.slides_before(self.largest / u)
             return Outcome.NO_EVENT
         event, gap = next_event(events)
+        history.slid += state.slides_before(min(event.load, self.largest / u))
         if event.load * u > self.largest:
             history.last_u = self.largest
             return Outcome.LARGEST

@@ -274,3 +274,12 @@ def test_beams_under_a_knife_edge_break_from_the_notch():
     # ASTM E399, S = 4 W, a/W = 0.3: K = F S/(B W^1.5) 1.52
     F = scene.material.K_Ic * 5.0 * 20.0**1.5 / 80.0 / 1.52
     assert float(result.F[1]) == pytest.approx(F, rel=0.02)
+
+
+def test_a_closed_crack_that_would_slide_is_told():
+    """Under compression a crack at 45 degrees is held closed, and by Griffith its sliding comes first."""
+    compressed = tensile_plate(cracks=[{"points": [[30.0, 30.0], [50.0, 50.0]]}], load={"stress": -10.0})
+    result = simulate(compressed)
+    assert result.sizes["step"] == 0 or bool(result.touches[0])
+    assert result.attrs["sliding_tips"] >= 1
+    assert simulate(tensile_plate(), increment=4.0).attrs["sliding_tips"] == 0

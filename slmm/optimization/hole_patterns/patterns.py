@@ -7,24 +7,21 @@ turns half of these are the same cells: the middle row right of the middle is fi
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import NDArray
 
 Design = NDArray[np.bool_]
-Pattern = Literal["full", "reflected", "rotated"]
 #: directions from which the crack comes, in quarter turns, that symmetry leaves different
-DIRECTIONS: dict[Pattern, int] = {"full": 4, "reflected": 2, "rotated": 1}
+DIRECTIONS: dict[str, int] = {"full": 4, "reflected": 2, "rotated": 1}
 
 
-def shape_of(pattern: Pattern, grid: int) -> tuple[int, int]:
+def shape_of(pattern: str, grid: int) -> tuple[int, int]:
     """Rows and columns of a design."""
     side = grid if pattern == "full" else (grid + 1) // 2
     return side, side
 
 
-def fixed_cells(pattern: Pattern, grid: int) -> Design:
+def fixed_cells(pattern: str, grid: int) -> Design:
     """Cells of a design that are of no importance.
 
     Examples
@@ -38,7 +35,7 @@ def fixed_cells(pattern: Pattern, grid: int) -> Design:
     return fixed
 
 
-def expanded(design: Design, pattern: Pattern, grid: int) -> Design:
+def expanded(design: Design, pattern: str, grid: int) -> Design:
     """The whole grid of a design.
 
     Examples

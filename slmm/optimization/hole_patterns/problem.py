@@ -15,7 +15,6 @@ from slmm.optimization.checks import check_whole
 from slmm.optimization.hole_patterns.patterns import (
     DIRECTIONS,
     Design,
-    Pattern,
     expanded,
     fixed_cells,
     shape_of,
@@ -67,7 +66,7 @@ class HolePattern:
     """
 
     grid: int = 8
-    pattern: Pattern = "reflected"
+    pattern: str = "reflected"
     increment: float = INCREMENT
     first_length: float = FIRST_LENGTH
     initiation: str = "point"
