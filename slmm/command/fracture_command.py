@@ -35,13 +35,24 @@ def fracture(
         Path, typer.Argument(metavar="SCENE.toml", help="Part, holes, cracks, material, load.")
     ],
     increment: Annotated[
-        str, typer.Option(metavar="MM|auto", help="Length by which cracks grow in a step.")
+        str,
+        typer.Option(
+            metavar="MM|auto", help="Length by which cracks grow in a step; auto: as their path asks."
+        ),
     ] = "auto",
     engine: Annotated[str, typer.Option(help="What solves the part: boundary.")] = "boundary",
     initiation: Annotated[str, typer.Option(help="What starts cracks at surfaces: point.")] = "point",
     tolerance: Annotated[
         float, typer.Option(min=1e-6, max=0.5, help="Relative error of U_T that is aimed at.")
     ] = 0.01,
+    direction: Annotated[
+        str,
+        typer.Option(
+            metavar="CRITERION",
+            help="Which way cracks grow: MTS (largest tangential stress), MERR (largest energy release rate), "
+            "'local symmetry' (no mode II), J (along its vector).",
+        ),
+    ] = "MTS",
     first_length: Annotated[
         float | None, typer.Option(metavar="MM", help="Length of a crack that starts; else an increment.")
     ] = None,
@@ -74,6 +85,7 @@ def fracture(
                 initiation,
                 engine,
                 tolerance,
+                direction=direction,
                 first_length=first_length,
                 largest_displacement=largest_displacement,
                 progress=progress,

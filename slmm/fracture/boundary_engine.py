@@ -12,6 +12,7 @@ from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
 from slmm.criteria.griffith import energy_release_rate
+from slmm.fracture.directions import Direction
 from slmm.fracture.events import COMPETING, Event, Kind, growths, starts
 from slmm.fracture.initiation_sites import critical_sites
 from slmm.mechanics.material import Material
@@ -37,9 +38,12 @@ class BoundaryState:
     Parameters
     ----------
     model : BoundaryModel
+    direction : callable
+        Which way tips run on, see `slmm.fracture.directions`.
     """
 
     model: BoundaryModel
+    direction: Direction
 
     @property
     def work(self) -> float:
@@ -64,7 +68,7 @@ class BoundaryState:
         K = self.model.stress_intensities()
         sizes = np.array([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in part.tips])
         closed = NO_OPENING * float(np.abs(self.model.hoop).max()) * np.sqrt(np.pi * sizes)
-        tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material)
+        tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material, self.direction)
         lowest = min((event.load for event in tips), default=np.inf)
         least = material.sigma_c / (lowest * (1 + COMPETING))
         return tips + starts(critical_sites(self.model, least), material)
@@ -88,11 +92,13 @@ class BoundaryEngine:
     loading : Loading
     tolerance : float
         Relative error of U_T that is aimed at.
+    direction : callable
+        Which way tips run on, see `slmm.fracture.directions`.
     """
 
-    def __init__(self, material: Material, loading: Loading, tolerance: float) -> None:
+    def __init__(self, material: Material, loading: Loading, tolerance: float, direction: Direction) -> None:
         """Nothing is solved yet."""
-        self.material, self.loading = material, loading
+        self.material, self.loading, self.direction = material, loading, direction
         self.order, self.crack_order = next(orders for error, orders in ORDERS if tolerance >= error)
         self._last: BoundaryModel | None = None
 
@@ -111,4 +117,4 @@ class BoundaryEngine:
             )
         else:
             self._last = self._last.with_cracks_of(part, [complex(*point) for point in ahead])
-        return BoundaryState(self._last)
+        return BoundaryState(self._last, self.direction)

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.criteria.griffith import energy_release_rate
+from slmm.fracture.directions import Direction
 from slmm.fracture.initiation_sites import Site
-from slmm.fracture.kinking import maximum_tangential_stress
 from slmm.mechanics.material import Material
 
 Array = NDArray[np.float64]
@@ -64,8 +64,8 @@ class Event:
         return self.kind is Kind.START, self.hole < 0, self.hole, y, x
 
 
-def growths(tips: Sequence[Array], K: Array, material: Material) -> list[Event]:
-    """Tips that grow by Griffith's criterion, each in the direction of the largest tangential stress.
+def growths(tips: Sequence[Array], K: Array, material: Material, direction: Direction) -> list[Event]:
+    """Tips that grow by Griffith's criterion.
 
     Parameters
     ----------
@@ -74,13 +74,15 @@ def growths(tips: Sequence[Array], K: Array, material: Material) -> list[Event]:
     K : ndarray, shape (k, 2)
         K_I and K_II, MPa sqrt(mm). Tips that do not open, as beside a crack that has passed, do not grow.
     material : Material
+    direction : callable
+        The angle by which a tip turns, from its K_I and K_II.
     """
     found = []
     for k, (line, (K_I, K_II)) in enumerate(zip(tips, K.tolist(), strict=True)):
         if not K_I > 0:
             continue
         along = (line[-1] - line[-2]) / np.linalg.norm(line[-1] - line[-2])
-        kink = maximum_tangential_stress(K_I, K_II)
+        kink = direction(K_I, K_II)
         turned = np.array([[math.cos(kink), -math.sin(kink)], [math.sin(kink), math.cos(kink)]]) @ along
         load = math.sqrt(material.G_c / energy_release_rate(K_I, K_II, material))
         found.append(Event(load, Kind.GROWTH, line[-1], turned, tip=k, K=(K_I, K_II)))

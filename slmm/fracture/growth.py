@@ -65,6 +65,12 @@ class Surroundings:
         shapely.prepare(surface)
         return surface
 
+    def room(self, cracks: Part, tip: Array, own: int) -> float:
+        """Distance of a tip (2,) from surfaces and other cracks than its own, mm."""
+        at = shapely.Point(tip)
+        others = [shapely.LineString(crack.points) for k, crack in enumerate(cracks.cracks) if k != own]
+        return min(float(shapely.distance(line, at)) for line in (self._surface, *others))
+
     def increment(
         self, cracks: Part, start: Array, direction: Array, length: float, ahead: float, own: int = -1
     ) -> Increment:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,10 +10,12 @@ import shapely
 from numpy.typing import NDArray
 
 from slmm.fracture.boundary_engine import BoundaryEngine
+from slmm.fracture.directions import DIRECTIONS
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.fracture_result import fracture_result
 from slmm.fracture.growth import LOOK_AHEAD, Increment, Surroundings
 from slmm.fracture.history import History, Outcome, Step
+from slmm.fracture.lengths import Lengths, lengths_of
 from slmm.fracture.work_conjugate import work_conjugate
 from slmm.part.crack import TIP, End
 from slmm.part.part import Part
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: increments of "auto" over the shorter side of the part: 2 mm of 80 mm; published (Paper D, section 3.1)
-PER_SIDE = 0.025
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
 #: places along a straight stretch that tell which pieces it holds or loads; chosen
@@ -38,20 +37,6 @@ AHEAD = 4
 ENGINES, INITIATIONS = ("boundary",), ("point",)
 
 
-@dataclass(frozen=True)
-class Lengths:
-    """Of increments, mm: while cracks grow, at their start, and how far ahead they look.
-
-    Parameters
-    ----------
-    growth, first, ahead : float
-    """
-
-    growth: float
-    first: float
-    ahead: float
-
-
 def simulate(
     scene: Scene,
     increment: float | str = "auto",
@@ -59,6 +44,7 @@ def simulate(
     engine: str = "boundary",
     tolerance: float = 0.01,
     *,
+    direction: str = "MTS",
     first_length: float | None = None,
     largest_displacement: float | None = None,
     errors: bool = True,
@@ -67,7 +53,7 @@ def simulate(
     """Fracture of a part under a load that grows until it breaks: cracks, the curve F(u), and the tensile toughness.
 
     One event after the other: the tip or the free surface with the lowest critical load. Tips grow where G reaches G_c,
-    in the direction of the largest tangential stress; cracks start where the principal stress reaches the strength at
+    in the direction that a criterion finds; cracks start where the principal stress reaches the strength at
     the point method's distance below a surface. Cracks end on what they run into, and are arrested there. The force
     drops at constant displacement, and the displacement never falls (Paper D, section 2.2.3).
 
@@ -76,11 +62,14 @@ def simulate(
     scene : Scene
         Its load counts as a unit.
     increment : float or "auto"
-        Length of an increment, mm; "auto" is 1/40 of the part's shorter side.
+        Length of an increment, mm; "auto" begins with 1/40 of the part's shorter side, becomes shorter where the path
+        bends, and longer where it is straight, far from surfaces, and the curve falls.
     initiation : {"point"}
     engine : {"boundary"}
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
+    direction : {"MTS", "MERR", "local symmetry", "J"}
+        Which way cracks grow: largest tangential stress, largest energy release rate, no mode II, or along the vector J.
     first_length : float, optional
         Of a crack that starts, mm; an increment if not given.
     largest_displacement : float, optional
@@ -114,38 +103,26 @@ def simulate(
         raise ValueError(f"initiation = {initiation!r}: must be one of {', '.join(INITIATIONS)}")
     if engine not in ENGINES:
         raise ValueError(f"engine = {engine!r}: must be one of {', '.join(ENGINES)}")
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction = {direction!r}: must be one of {', '.join(DIRECTIONS)}")
     for name, value in (("tolerance", tolerance), ("largest_displacement", largest_displacement)):
         if value is not None and not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: must be a positive number")
-    lengths = _lengths(scene.part, increment, first_length)
-    simulation = Simulation(scene, lengths, tolerance, largest_displacement or math.inf, errors)
+    lengths = lengths_of(scene.part, increment, first_length, LOOK_AHEAD)
+    model = BoundaryEngine(scene.material, scene.loading, tolerance, DIRECTIONS[direction])
+    simulation = Simulation(scene, model, lengths, largest_displacement or math.inf, errors)
     with one_blas_thread():
         simulation.run(progress)
     settings = {
-        "increment": lengths.growth,
+        "increment": "auto" if lengths.by_path else lengths.growth,
         "first_length": lengths.first,
         "look_ahead": lengths.ahead,
         "initiation": initiation,
+        "direction": direction,
         "engine": engine,
         "tolerance": tolerance,
     }
     return fracture_result(scene, simulation.part, simulation.history, settings, simulation.reached)
-
-
-def _lengths(part: Part, increment: float | str, first_length: float | None) -> Lengths:
-    """Increments as they were asked for."""
-    side = float(np.ptp(part.outer, axis=0).min())
-    if isinstance(increment, str):
-        if increment != "auto":
-            raise ValueError(f"increment = {increment!r}: must be a length in mm or 'auto'")
-        increment = PER_SIDE * side
-    first = increment if first_length is None else first_length
-    for name, length in (("increment", increment), ("first_length", first)):
-        if not (math.isfinite(length) and 10 * part.tolerance < length < side):
-            raise ValueError(
-                f"{name} = {length!r}: must lie between {10 * part.tolerance:.3g} and {side:.6g} mm, the part's side"
-            )
-    return Lengths(increment, first, LOOK_AHEAD * increment)
 
 
 class Simulation:
@@ -161,12 +138,11 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene, lengths: Lengths, tolerance: float, largest: float, errors: bool
+        self, scene: Scene, engine: BoundaryEngine, lengths: Lengths, largest: float, errors: bool
     ) -> None:
         """Nothing happens yet."""
-        self.part, self.material, self.loading = scene.part, scene.material, scene.loading
+        self.part, self.loading, self.engine = scene.part, scene.loading, engine
         self.conjugate = work_conjugate(self.loading, self.part.thickness)
-        self.engine = BoundaryEngine(self.material, self.loading, tolerance)
         self.lengths, self.largest, self.errors = lengths, largest, errors
         self.surroundings = Surroundings(self.part)
         self.history = History()
@@ -207,7 +183,7 @@ class Simulation:
         if event.load * u > self.largest:
             history.last_u = self.largest
             return Outcome.LARGEST
-        increment = self._increment(event)
+        increment = self._increment(event, event.load * u >= history.u)
         grown, crack = self._grown(event, increment)
         finer = (math.nan, math.nan)
         if self.errors and event.load * u > history.u:
@@ -252,10 +228,14 @@ class Simulation:
                 found.append(at)
         return found
 
-    def _increment(self, event: Event) -> Increment:
+    def _increment(self, event: Event, rising: bool) -> Increment:
         """Where the event's increment ends."""
-        own = self._crack_of(event.tip) if event.kind is Kind.GROWTH else -1
-        length = self.lengths.growth if event.kind is Kind.GROWTH else self.lengths.first
+        own, length = -1, self.lengths.first
+        if event.kind is Kind.GROWTH:
+            own = self._crack_of(event.tip)
+            has_grown = self.reached[own][0 if self._is_at_start(event, own) else -1] >= 0
+            room = self.surroundings.room(self.part, event.point, own) if self.lengths.by_path else math.inf
+            length = self.lengths.along(self.part.tips[event.tip], has_grown, event.direction, room, rising)
         return self.surroundings.increment(
             self.part, event.point, event.direction, length, self.lengths.ahead, own
         )

@@ -42,7 +42,9 @@ def test_the_crack_runs_into_the_hole_and_starts_anew_behind_it(one_hole):
     assert [name for name in arrested if name] == ["hole 0", "edge"]
     k = arrested.index("hole 0")
     assert np.hypot(one_hole.x[k] - 40, one_hole.y[k] - 40) == pytest.approx(8.0, abs=1e-6)
-    assert one_hole.event.values.tolist() == ["growth"] * (k + 1) + ["start"] + ["growth"] * (26 - k - 1)
+    assert one_hole.event.values.tolist() == ["growth"] * (k + 1) + ["start"] + ["growth"] * (
+        one_hole.sizes["step"] - k - 2
+    )
     x, y = one_hole.crack_x.values[1], one_hole.crack_y.values[1]
     assert np.hypot(x[0] - 40, y[0] - 40) == pytest.approx(8.0, abs=1e-6)
     assert (x[0], y[0]) == pytest.approx((48.0, 40.0), abs=0.05)
