@@ -9,8 +9,9 @@
 
 Off a path is the distance of each measured point from the simulated one. Required: 0.5 mm, what the points can be
 trusted to, up to where a difference of 0.1 mm in the notch grows beyond that. The half disks are told: their cracks
-kink by 5 to 8 degrees more than K_I and K_II ask for, as T does, and run beside the simulated paths from there on. Writes
-validation/results/fracture_paths.csv and .png; a minute, ``--quick`` takes the compression alone and writes nothing.
+kink by 5 to 8 degrees more than K_I and K_II ask for, as T does, and run beside the simulated paths from there on.
+Writes validation/results/fracture_paths.csv and .png; a minute, ``--quick`` takes the compression alone and writes
+nothing.
 """
 
 from __future__ import annotations
