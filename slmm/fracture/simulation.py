@@ -69,7 +69,8 @@ def simulate(
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
     direction : {"MTS", "MERR", "local symmetry", "J"}
-        Which way cracks grow: largest tangential stress, largest energy release rate, no mode II, or along the vector J.
+        Which way cracks grow: largest tangential stress, largest energy release rate, no mode II, or along the vector
+        J.
     first_length : float, optional
         Of a crack that starts, mm; an increment if not given.
     largest_displacement : float, optional
