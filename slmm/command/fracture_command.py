@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -24,7 +26,7 @@ from slmm.command.terminal import (
     table_box,
     word_on_compilation,
 )
-from slmm.running.whole_file import whole_file
+from slmm.running.whole_file import NotWrittenError, whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,18 +56,27 @@ def fracture(
     plot: Annotated[
         Path | None, typer.Option(metavar="OUT.png", help="Draw cracks and curve (.png, .pdf or .svg).")
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", help="Go on where a killed simulation was: needs -o, beside which its journal lies."
+        ),
+    ] = False,
 ) -> None:
     """Cracks that grow, stop and start anew until the part is severed: F(u) and the tensile toughness."""
     with refusals():
         check_target(output, RESULT_FORMATS, "-o")
         check_target(plot, PICTURE_FORMATS, "--plot")
+        if resume and output is None:
+            raise ValueError("--resume: needs -o, beside which the journal lies")
+        journal = None if output is None else output.with_suffix(".jsonl")
         length = _increment(increment)
         from slmm.scene.scene import read_scene
 
         scene = read_scene(scene_file)
         inputs = [scene_file, *(getattr(hole, "file", None) for hole in scene.holes)]
         check_no_input(inputs, {"-o": output, "--plot": plot})
-        with progress_bar() as progress, word_on_compilation():
+        with progress_bar() as progress, word_on_compilation(), _word_of_journal(journal):
             from slmm.fracture.simulation import simulate
 
             result = simulate(
@@ -76,6 +87,8 @@ def fracture(
                 tolerance,
                 first_length=first_length,
                 largest_displacement=largest_displacement,
+                journal=journal,
+                resume=resume,
                 progress=progress,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
@@ -92,6 +105,23 @@ def fracture(
         if result.attrs["outcome"].startswith("failed"):
             say_error(f"the simulation {result.attrs['outcome']}")
             raise typer.Exit(1)
+
+
+@contextmanager
+def _word_of_journal(journal: Path | None) -> Iterator[None]:
+    """Say how a simulation goes on that is interrupted, or ends with an error that is no refusal."""
+    try:
+        yield
+    except ValueError:
+        raise
+    except BaseException as error:
+        if journal is None or not journal.is_file():
+            raise
+        says = f"with --resume it goes on with what is in {journal}"
+        if isinstance(error, NotWrittenError):
+            raise NotWrittenError(f"{error}; {says}") from error
+        say_error(f"stopped; {says}")
+        raise
 
 
 def _increment(text: str) -> float | str:

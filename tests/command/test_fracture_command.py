@@ -26,7 +26,12 @@ def test_table_file_and_picture(plate, tmp_path):
     with xr.open_dataset(output) as written:
         assert float(written.U_T) == pytest.approx(274.3, rel=2e-3)
         assert written.attrs["command"].startswith("slmm") and written.attrs["increment"] == 4.0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["plate.toml", "result.nc", "result.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "plate.toml",
+        "result.jsonl",
+        "result.nc",
+        "result.png",
+    ]
 
 
 def test_what_is_refused(plate, tmp_path):
@@ -38,6 +43,27 @@ def test_what_is_refused(plate, tmp_path):
     assert refused(run("fracture", plate, "-o", tmp_path / "result.txt"), ".nc")
     assert refused(run("fracture", plate, "--plot", tmp_path / "no" / "result.png"), "there is no folder")
     assert refused(run("fracture", tmp_path / "none.toml"), "none.toml")
+
+
+def test_a_stopped_simulation_is_resumed_to_the_same_result(plate, tmp_path):
+    output, journal = tmp_path / "result.nc", tmp_path / "result.jsonl"
+    arguments = ["fracture", plate, "--increment", 8, "-o", output]
+    first = run(*arguments)
+    with xr.open_dataset(output) as result:
+        undisturbed = result.load().drop_attrs()
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[:3]))
+    output.unlink()
+    assert refused(run(*arguments), "result.jsonl: is there already; resume it")
+    again = run(*arguments, "--resume")
+    assert (again.exit_code, again.stdout) == (0, first.stdout)
+    with xr.open_dataset(output) as result:
+        xr.testing.assert_identical(result.load().drop_attrs(), undisturbed)
+    # one that has ended may begin anew
+    assert run(*arguments).exit_code == 0
+    assert refused(run("fracture", plate, "--resume"), "--resume: needs -o")
+    other = ["fracture", plate, "--increment", 4, "-o", output, "--resume"]
+    assert refused(run(*other), "another run, with increment = 8.0", "this one has increment = 4.0")
 
 
 def test_the_largest_displacement_is_said(plate):
