@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -126,6 +125,8 @@ class History:
         After the last step, N/mm; 0 of a severed part.
     last_u : float
         Displacement to which the part was loaded after the last step, mm; 0 if not at all.
+    next_u : float
+        Critical displacement of the event that this came before, mm; NaN without one.
     slides : bool
         Whether after the last step a closed tip would have slid on; that is not simulated.
     """
@@ -135,6 +136,7 @@ class History:
     reason: str = ""
     last_stiffness: float = 0.0
     last_u: float = 0.0
+    next_u: float = math.nan
     slides: bool = False
 
     @property
@@ -204,25 +206,6 @@ class History:
             if math.isfinite(step.finer[0]):
                 S[k], u[k] = step.finer
         return abs(_toughness(S, np.maximum.accumulate(u), self.last_u) - self.toughness)
-
-    @property
-    def increment_error(self) -> float:
-        """What the steps of stable growth leave out of U_T, mJ.
-
-        Where the same crack needs more load from one increment to the next, the curve falls steadily between both
-        points; drops at constant displacement lie below it, by an amount of the first order in the increment.
-        """
-        left_out = 0.0
-        for k, (one, other) in enumerate(pairwise(self.steps)):
-            rise = other.u_c - self.loads[k]
-            if (
-                one.crack == other.crack
-                and other.kind is Kind.GROWTH
-                and rise > 0
-                and one.u_c >= self.loads[k]
-            ):
-                left_out += 0.5 * (one.stiffness - other.stiffness) * one.u_c * rise
-        return left_out
 
 
 def _toughness(S: Array, u: Array, last_u: float) -> float:

@@ -235,7 +235,7 @@ class Simulation:
         event, gap = next_event(events)
         slides = state.slides_before(min(event.load, self.largest / u))
         if event.load * u > self.largest:
-            history.slides, history.last_u = slides, self.largest
+            history.slides, history.last_u, history.next_u = slides, self.largest, event.load * u
             return Outcome.LARGEST
         grown = self._grown(event)
         finer = (math.nan, math.nan)
