@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
-from itertools import pairwise
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
+from slmm.command.fracture_table import print_fracture
 from slmm.command.terminal import (
     PICTURE_FORMATS,
     RESULT_FORMATS,
     check_no_input,
     check_target,
-    console,
-    number_text,
+    check_target_folder,
     progress_bar,
     refusals,
     say_error,
-    table_box,
     word_on_compilation,
 )
-from slmm.running.whole_file import whole_file
+from slmm.running.whole_file import NotWrittenError, whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from slmm.running.progress import Progress
+    from slmm.scene.scene import Scene
 
 
 def fracture(
@@ -63,20 +66,59 @@ def fracture(
         Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Write everything as netCDF.")
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="OUT.png", help="Draw cracks and curve (.png, .pdf or .svg).")
+        Path | None, typer.Option(metavar="OUT.png", help="Draw cracks and curves (.png, .pdf or .svg).")
     ] = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.gif", help="Draw them as they come (.gif, or .mp4 where ffmpeg is there)."),
+    ] = None,
+    magnify: Annotated[
+        float | None,
+        typer.Option(
+            metavar="FACTOR",
+            help="Draw displacements so many times as large, and cracks open: for --plot, --animate.",
+        ),
+    ] = None,
+    vtk: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Write displacements and stress of each step for ParaView (fracture.pvd)."
+        ),
+    ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", help="Go on where a killed simulation was: needs -o, beside which its journal lies."
+        ),
+    ] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print all steps, curves and cracks as JSON.")
+    ] = False,
 ) -> None:
     """Cracks that grow, stop and start anew until the part is severed: F(u) and the tensile toughness."""
     with refusals():
         check_target(output, RESULT_FORMATS, "-o")
         check_target(plot, PICTURE_FORMATS, "--plot")
+        check_target_folder(vtk, "--vtk")
+        if animate is not None:
+            from slmm.pictures.fracture_animation import FORMATS, check_can_animate
+
+            check_target(animate, FORMATS, "--animate")
+            check_can_animate(animate)
+        if magnify is not None and not 0 < magnify < math.inf:
+            raise ValueError(f"--magnify {magnify:g}: must be a positive number")
+        if magnify is not None and plot is None and animate is None:
+            raise ValueError(f"--magnify {magnify:g}: needs --plot or --animate, which it is for")
+        if resume and output is None:
+            raise ValueError("--resume: needs -o, beside which the journal lies")
+        journal = None if output is None else output.with_suffix(".jsonl")
         length = _increment(increment)
         from slmm.scene.scene import read_scene
 
         scene = read_scene(scene_file)
         inputs = [scene_file, *(getattr(hole, "file", None) for hole in scene.holes)]
-        check_no_input(inputs, {"-o": output, "--plot": plot})
-        with progress_bar() as progress, word_on_compilation():
+        check_no_input(inputs, {"-o": output, "--plot": plot, "--animate": animate, "the journal": journal})
+        with progress_bar() as progress, word_on_compilation(), _word_of_journal(journal):
             from slmm.fracture.simulation import simulate
 
             result = simulate(
@@ -88,22 +130,66 @@ def fracture(
                 direction=direction,
                 first_length=first_length,
                 largest_displacement=largest_displacement,
+                journal=journal,
+                resume=resume,
                 progress=progress,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
                 with whole_file(output) as unfinished:
                     result.to_netcdf(unfinished, engine="netcdf4")
-            if plot is not None:
-                progress(1.0, "picture")
-                from slmm.pictures.figure_file import write_figure
-                from slmm.pictures.fracture import plot_fracture
+            _draw(scene, result, plot, animate, magnify or 0.0, progress)
+            if vtk is not None:
+                from slmm.fracture.field_series import write_series
 
-                write_figure(plot_fracture(scene, result), plot)
-        _print_result(result)
+                write_series(scene, result, vtk, progress=progress)
+        if as_json:
+            from slmm.fracture.fracture_summary import as_json as in_json
+
+            print(in_json(result))
+        else:
+            print_fracture(result)
         if result.attrs["outcome"].startswith("failed"):
             say_error(f"the simulation {result.attrs['outcome']}")
             raise typer.Exit(1)
+
+
+def _draw(
+    scene: Scene,
+    result: xr.Dataset,
+    plot: Path | None,
+    animate: Path | None,
+    magnified: float,
+    progress: Progress,
+) -> None:
+    """The pictures that are asked for."""
+    if plot is not None:
+        progress(1.0, "picture")
+        from slmm.pictures.figure_file import write_figure
+        from slmm.pictures.fracture import plot_fracture
+
+        write_figure(plot_fracture(scene, result, magnified), plot)
+    if animate is not None:
+        from slmm.pictures.fracture_animation import animate_fracture
+
+        animate_fracture(scene, result, animate, magnified, progress)
+
+
+@contextmanager
+def _word_of_journal(journal: Path | None) -> Iterator[None]:
+    """Say how a simulation goes on that is interrupted, or ends with an error that is no refusal."""
+    try:
+        yield
+    except ValueError:
+        raise
+    except BaseException as error:
+        if journal is None or not journal.is_file():
+            raise
+        says = f"with --resume it goes on with what is in {journal}"
+        if isinstance(error, NotWrittenError):
+            raise NotWrittenError(f"{error}; {says}") from error
+        say_error(f"stopped; {says}")
+        raise
 
 
 def _increment(text: str) -> float | str:
@@ -114,69 +200,3 @@ def _increment(text: str) -> float | str:
         return float(text)
     except ValueError:
         raise ValueError(f"--increment {text}: must be a length in mm, or auto") from None
-
-
-def _print_result(result: xr.Dataset) -> None:
-    """The runs of each crack, and what came of it all."""
-    out = console()
-    table = Table(title=result.attrs["title"] or "Fracture", box=table_box(out))
-    for heading in (
-        "steps",
-        "crack",
-        "from x\nmm",
-        "from y\nmm",
-        "to x\nmm",
-        "to y\nmm",
-        "u\nmm",
-        "F before\nN",
-    ):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("then")
-    for first, last in _runs(result):
-        crack = int(result.tip[first])
-        x, y, step = (result[name].values[crack] for name in ("crack_x", "crack_y", "crack_step"))
-        at = int((step == first).argmax())
-        start = at if result.event.values[first] == "start" else _neighbour(step, at)
-        where = (x[start], y[start], float(result.x[last]), float(result.y[last]))
-        u = float(result.u_load[first])
-        table.add_row(
-            f"{first + 1} to {last + 1}" if last > first else str(first + 1),
-            str(crack),
-            *(number_text(value, ".2f") for value in where),
-            number_text(u, ".4f"),
-            number_text(float(result.stiffness[first]) * u, ".1f"),
-            str(result.arrested_by.values[last]) or "goes on",
-        )
-    if result.sizes["step"]:
-        out.print(table)
-    error = float(result.U_T_error)
-    told = f" (error ± {error:.2g} mJ)" if error == error else ""
-    out.print(
-        f"Tensile toughness U_T = {float(result.U_T):.5g} mJ{told}; {result.attrs['outcome']}.",
-        soft_wrap=True,
-    )
-    if count := result.attrs["competing_events"]:
-        out.print(
-            f"In {count} of {result.sizes['step']} steps another event was within 0.5 % of the load: the path may fork"
-            " there.",
-            soft_wrap=True,
-        )
-    if slid := result.attrs["sliding_tips"]:
-        out.print(
-            f"In {slid} steps a closed crack would have slid on first, which is not simulated: U_T is too high.",
-            soft_wrap=True,
-        )
-    if touches := int(result.touches.sum()):
-        out.print(f"In {touches} steps faces of cracks hold each other, without friction.", soft_wrap=True)
-
-
-def _runs(result: xr.Dataset) -> list[tuple[int, int]]:
-    """First and last steps of stretches in which one crack grows at one displacement."""
-    crack, u = result.tip.values, result.u_load.values
-    first = [k for k in range(len(crack)) if k == 0 or crack[k] != crack[k - 1] or u[k] != u[k - 1]]
-    return [(a, b - 1) for a, b in pairwise([*first, len(crack)])]
-
-
-def _neighbour(step: list[float], at: int) -> int:
-    """The point of a crack that was there before the one ``at`` which it grew to."""
-    return at - 1 if at > 0 and step[at - 1] < step[at] else at + 1

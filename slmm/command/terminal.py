@@ -141,6 +141,20 @@ def check_target(path: Path | None, formats: tuple[str, ...], option: str) -> No
         raise ValueError(f"{name}: the folder {shown(path.parent)} is not writable")
 
 
+def check_target_folder(path: Path | None, option: str) -> None:
+    """Refuse before the long work a folder in which no files could be made after it."""
+    if path is None:
+        return
+    name = f"{option} {shown(path)}"
+    if os.path.lexists(path) and not os.path.isdir(path):
+        raise ValueError(f"{name}: must be a folder, and there is a file")
+    if not os.path.isdir(path) and not os.path.isdir(path.parent):
+        raise ValueError(f"{name}: there is no folder {shown(path.parent)}")
+    above = path if os.path.isdir(path) else path.parent
+    if not os.access(above, os.W_OK):
+        raise ValueError(f"{name}: the folder {shown(above)} is not writable")
+
+
 def check_no_input(inputs: list[Path | str | None], targets: dict[str, Path | None]) -> None:
     """Inputs must be files, and a result must not take the place of what it is made from, as a notch's picture."""
     files = [file for file in inputs if file is not None]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
@@ -111,10 +112,16 @@ class BoundaryEngine:
         ahead : sequence of ndarray, shape (2,)
             Where tips will stand after the next increments if they run straight on, mm.
         """
+        places = [complex(*point) for point in ahead]
         if self._last is None:
+            body = Body(part, self.material, self.loading, self.order, COARSE, places)
             self._last = BoundaryModel(
-                part, self.material, self.loading, self.order, self.crack_order, contact=True, grading=COARSE
+                part, self.material, self.loading, self.order, self.crack_order, body, True, COARSE
             )
         else:
-            self._last = self._last.with_cracks_of(part, [complex(*point) for point in ahead])
+            self._last = self._last.with_cracks_of(part, places)
         return BoundaryState(self._last, self.direction)
+
+    def begin_anew(self) -> None:
+        """Forget what was solved: what comes next does not depend on it, not in the last digit either."""
+        self._last = None

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slmm.fracture.equilibrium import equilibrium_path, force_control, released_in_equilibrium
 from slmm.fracture.events import COMPETING
-from slmm.fracture.history import History
+from slmm.fracture.history import Candidate, History
+from slmm.fracture.stable_growth import left_out
 from slmm.part.part import Part
 from slmm.running.labelled import labelled
 from slmm.scene.scene import Scene
@@ -20,8 +22,9 @@ if TYPE_CHECKING:
 #: what covers the difference between two orders, as in `slmm.boundary.model`; chosen
 COVERS = 4.0
 ERROR_IS = (
-    f"{COVERS:g} times what a model of the next order changes where the displacement rises, and what steps of stable "
-    "growth leave out; not whether competing events turn the path"
+    f"{COVERS:g} times what a model of the next order changes where the displacement rises, and what drops of the "
+    "force leave out of stable growth (of U_T_integrated: how far lines there miss the energy that growth takes); not "
+    "whether competing events turn the path"
 )
 
 
@@ -44,12 +47,15 @@ def fracture_result(
     steps = history.steps
     u, F = history.corners
     x, y, step = _paths(part, reached)
-    error = COVERS * history.discretisation_error + history.increment_error
+    dissipated = np.array([s.length for s in steps]) * scene.material.G_c * part.thickness
+    candidates = [(k, candidate) for k, step in enumerate(steps) for candidate in step.candidates]
+    path, controlled, lacks = equilibrium_path(history), force_control(history), left_out(history, dissipated)
+    U_T, discretisation = history.toughness, COVERS * history.discretisation_error
+    work = float(np.trapezoid(F, u))
     ends = np.array([s.end for s in steps]).reshape(-1, 2)
     K = np.array([s.K for s in steps]).reshape(-1, 2)
     gap = np.array([s.gap for s in steps])
     root_mm = "MPa sqrt(mm)"
-    dissipated = np.array([s.length for s in steps]) * scene.material.G_c * part.thickness
     result = labelled(
         {
             "u": ("corner", u, "mm", "displacement conjugate to the force"),
@@ -71,6 +77,18 @@ def fracture_result(
             "K_II": ("step", K[:, 1], root_mm, "stress intensity of mode II at the critical load"),
             "released": ("step", history.released, "mJ", "stored energy set free by the step"),
             "dissipated": ("step", dissipated, "mJ", "G_c times the new crack's area"),
+            "excess": (
+                "step",
+                history.released - dissipated,
+                "mJ",
+                "energy set free that the new crack does not take: it goes into vibrations",
+            ),
+            "released_in_equilibrium": (
+                "step",
+                released_in_equilibrium(history),
+                "mJ",
+                "energy that stable growth by the step would set free, at falling or rising displacement",
+            ),
             "gap": ("step", gap, "1", "by which the next event's load is higher, relative"),
             "touches": (
                 "step",
@@ -81,9 +99,57 @@ def fracture_result(
             "crack_x": (("crack", "point"), x, "mm", "x along the cracks"),
             "crack_y": (("crack", "point"), y, "mm", "y along the cracks"),
             "crack_step": (("crack", "point"), step, "1", "step that led there, -1 before the first"),
-            "U_T": ((), history.toughness, "mJ", "tensile toughness"),
-            "U_T_error": ((), error, "mJ", "estimated error of the tensile toughness"),
+            **_candidates(candidates),
+            "equilibrium_u": ("state", path.u, "mm", "displacement along the equilibrium path"),
+            "equilibrium_F": ("state", path.F, "N", "force along the equilibrium path"),
+            "equilibrium_step": ("state", path.step, "1", "step that happens there, -1 for none"),
+            "equilibrium_jump": (
+                "state",
+                path.jump,
+                "1",
+                "whether there is no equilibrium between the state before and this one",
+            ),
+            "force_controlled_u": (
+                "force_corner",
+                controlled.u,
+                "mm",
+                "displacement if the force is controlled, until the part breaks",
+            ),
+            "force_controlled_F": ("force_corner", controlled.F, "N", "force if it is controlled"),
+            "F_peak": ((), controlled.peak, "N", "largest force"),
+            "peak_step": (
+                (),
+                controlled.step,
+                "1",
+                "step at which the part breaks if the force is controlled, -1 if it was not severed",
+            ),
+            "U_T": ((), U_T, "mJ", "tensile toughness, the area below F(u)"),
+            "U_T_error": (
+                (),
+                discretisation + lacks.by_growth + lacks.by_starts,
+                "mJ",
+                "estimated error of the tensile toughness",
+            ),
+            "U_T_integrated": (
+                (),
+                U_T + lacks.by_growth,
+                "mJ",
+                "tensile toughness with F falling steadily where cracks grow steadily",
+            ),
+            "U_T_integrated_error": (
+                (),
+                discretisation + lacks.error + lacks.by_starts,
+                "mJ",
+                "estimated error of the tensile toughness with F falling steadily",
+            ),
+            "work": ((), work, "mJ", "work of the force"),
             "stored": ((), history.stored, "mJ", "energy stored at the end"),
+            "imbalance": (
+                (),
+                work - float(np.sum(history.released)) - history.stored,
+                "mJ",
+                "work less what was dissipated, went into vibrations and is stored",
+            ),
         },
         title=scene.title,
         outcome=f"{history.outcome}: {history.reason}" if history.reason else str(history.outcome),
@@ -98,6 +164,25 @@ def fracture_result(
         "then to the lowest hole, y and x"
     )
     return result
+
+
+def _candidates(candidates: Sequence[tuple[int, Candidate]]) -> dict[str, tuple[str, Any, str, str]]:
+    """Everything that was in question, step by step."""
+    every = [candidate for _, candidate in candidates]
+    values = {
+        "step": (np.array([k for k, _ in candidates], dtype=int), "1", "step in which it was in question"),
+        "u_c": (np.array([c.u_c for c in every]), "mm", "its critical displacement"),
+        "event": (np.array([str(c.kind) for c in every], dtype=str), "1", "what would have happened"),
+        "tip": (np.array([c.crack for c in every], dtype=int), "1", "crack whose tip it is, -1 of a surface"),
+        "hole": (
+            np.array([c.hole for c in every], dtype=int),
+            "1",
+            "outline where a crack would start, -1 of a straight edge and of tips",
+        ),
+        "x": (np.array([c.x for c in every]), "mm", "x of the tip or the place on the surface"),
+        "y": (np.array([c.y for c in every]), "mm", "y of the tip or the place on the surface"),
+    }
+    return {f"candidate_{name}": ("candidate", *labels) for name, labels in values.items()}
 
 
 def _paths(part: Part, reached: Sequence[Sequence[int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

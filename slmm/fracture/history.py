@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.fracture.events import Kind
+from slmm.fracture.events import Event, Kind
 
 Array = NDArray[np.float64]
 
@@ -26,6 +26,30 @@ class Outcome(StrEnum):
     FAILED = "failed"
 
 
+class Candidate(NamedTuple):
+    """What could have happened in a step: a tip that grows, or a surface that cracks.
+
+    Attributes
+    ----------
+    u_c : float
+        Its critical displacement, mm.
+    kind : Kind
+    crack : int
+        Whose tip it is, -1 of a surface.
+    hole : int
+        Whose surface it is, -1 of a straight outer edge, and of tips.
+    x, y : float
+        Where, mm.
+    """
+
+    u_c: float
+    kind: Kind
+    crack: int
+    hole: int
+    x: float
+    y: float
+
+
 @dataclass(frozen=True)
 class Step:
     """One event.
@@ -36,7 +60,7 @@ class Step:
         Displacement at which it happens, mm.
     stiffness : float
         Before it, N/mm.
-    kind : Kind
+    event : Event
     crack : int
         Which crack.
     end : (float, float)
@@ -45,27 +69,46 @@ class Step:
         What it ran into; empty while it has a tip.
     length : float
         By which it became longer, mm.
-    K : (float, float)
-        K_I and K_II at the critical load, MPa sqrt(mm); NaN of a start.
     gap : float
         By which share the next event's load was higher; NaN where there was none.
     touches : bool
         Whether faces of cracks held each other.
+    slides : bool
+        Whether a closed tip would have slid on before; that is not simulated.
+    candidates : tuple of Candidate
+        All that was in question, the event among it.
     finer : (float, float)
         Stiffness, N/mm, and critical displacement, mm, of a finer model; NaN where it was not asked.
     """
 
     u_c: float
     stiffness: float
-    kind: Kind
+    event: Event
     crack: int
     end: tuple[float, float]
     arrested_by: str
     length: float
-    K: tuple[float, float]
     gap: float
     touches: bool
+    slides: bool
+    candidates: tuple[Candidate, ...]
     finer: tuple[float, float] = (math.nan, math.nan)
+
+    @property
+    def kind(self) -> Kind:
+        """What it is."""
+        return self.event.kind
+
+    @property
+    def meets_surface(self) -> bool:
+        """Whether its crack has begun at or ended on something."""
+        return self.kind is Kind.START or bool(self.arrested_by)
+
+    @property
+    def K(self) -> tuple[float, float]:
+        """K_I and K_II at the critical load, MPa sqrt(mm); NaN of a start."""
+        K_I, K_II = self.event.K
+        return self.event.load * K_I, self.event.load * K_II
 
 
 @dataclass
@@ -82,8 +125,10 @@ class History:
         After the last step, N/mm; 0 of a severed part.
     last_u : float
         Displacement to which the part was loaded after the last step, mm; 0 if not at all.
-    slid : int
-        Solutions in which a closed tip would have slid on before what happened; that is not simulated.
+    next_u : float
+        Critical displacement of the event that this came before, mm; NaN without one.
+    slides : bool
+        Whether after the last step a closed tip would have slid on; that is not simulated.
     """
 
     steps: list[Step] = field(default_factory=list)
@@ -91,12 +136,18 @@ class History:
     reason: str = ""
     last_stiffness: float = 0.0
     last_u: float = 0.0
-    slid: int = 0
+    next_u: float = math.nan
+    slides: bool = False
 
     @property
     def u(self) -> float:
         """Displacement so far, mm: it never falls."""
         return max((step.u_c for step in self.steps), default=0.0)
+
+    @property
+    def slid(self) -> int:
+        """Solutions in which a closed tip would have slid on before what happened."""
+        return sum(step.slides for step in self.steps) + self.slides
 
     @property
     def loads(self) -> Array:
@@ -155,25 +206,6 @@ class History:
             if math.isfinite(step.finer[0]):
                 S[k], u[k] = step.finer
         return abs(_toughness(S, np.maximum.accumulate(u), self.last_u) - self.toughness)
-
-    @property
-    def increment_error(self) -> float:
-        """What the steps of stable growth leave out of U_T, mJ.
-
-        Where the same crack needs more load from one increment to the next, the curve falls steadily between both
-        points; drops at constant displacement lie below it, by an amount of the first order in the increment.
-        """
-        left_out = 0.0
-        for k, (one, other) in enumerate(pairwise(self.steps)):
-            rise = other.u_c - self.loads[k]
-            if (
-                one.crack == other.crack
-                and other.kind is Kind.GROWTH
-                and rise > 0
-                and one.u_c >= self.loads[k]
-            ):
-                left_out += 0.5 * (one.stiffness - other.stiffness) * one.u_c * rise
-        return left_out
 
 
 def _toughness(S: Array, u: Array, last_u: float) -> float:

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from slmm.fracture.boundary_engine import BoundaryEngine
 from slmm.fracture.directions import DIRECTIONS
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.fracture_result import fracture_result
-from slmm.fracture.growth import LOOK_AHEAD, Increment, Surroundings
-from slmm.fracture.history import History, Outcome, Step
+from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
+from slmm.fracture.growth import LOOK_AHEAD, Surroundings
+from slmm.fracture.history import Candidate, History, Outcome, Step
+from slmm.fracture.journal import end_of, history_of, record_of, run_of, step_of
 from slmm.fracture.lengths import Lengths, lengths_of
 from slmm.fracture.work_conjugate import work_conjugate
-from slmm.part.crack import TIP, End
-from slmm.part.part import Part
 from slmm.running.blas import one_blas_thread
+from slmm.running.line_journal import LineJournal, open_lines
 from slmm.running.progress import Progress, silent
 from slmm.scene.scene import Scene
 
@@ -30,8 +32,6 @@ Array = NDArray[np.float64]
 
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
-#: places along a straight stretch that tell which pieces it holds or loads; chosen
-MIDDLES = (np.arange(20) + 0.5) / 20
 #: increments for which a body is prepared at once; chosen
 AHEAD = 4
 ENGINES, INITIATIONS = ("boundary",), ("point",)
@@ -48,6 +48,8 @@ def simulate(
     first_length: float | None = None,
     largest_displacement: float | None = None,
     errors: bool = True,
+    journal: str | Path | None = None,
+    resume: bool = False,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Fracture of a part under a load that grows until it breaks: cracks, the curve F(u), and the tensile toughness.
@@ -77,6 +79,11 @@ def simulate(
         Where to stop, mm.
     errors : bool
         Whether U_T has an estimated error, for some of the time of the simulation.
+    journal : str or Path, optional
+        A file to which each step is written as soon as it is done, see `slmm.fracture.journal`.
+    resume : bool
+        Go on behind the last step of the journal, if it is there; the result is that of a simulation that was never
+        stopped, to the bit.
     progress : callable
 
     Returns
@@ -90,8 +97,10 @@ def simulate(
     Raises
     ------
     ValueError
-        When an argument or the load does not fit. What fails later ends the simulation with its reason and the steps
-        so far.
+        When an argument or the load does not fit, or the journal is that of another simulation, damaged, or of one that
+        has not ended and is not resumed. What fails later ends the simulation with its reason and the steps so far.
+    NotWrittenError
+        When the journal cannot be written; it is resumed with the steps that it holds.
 
     Examples
     --------
@@ -109,11 +118,9 @@ def simulate(
     for name, value in (("tolerance", tolerance), ("largest_displacement", largest_displacement)):
         if value is not None and not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: must be a positive number")
+    if resume and journal is None:
+        raise ValueError("resume = True: needs the journal of what shall be resumed")
     lengths = lengths_of(scene.part, increment, first_length, LOOK_AHEAD)
-    model = BoundaryEngine(scene.material, scene.loading, tolerance, DIRECTIONS[direction])
-    simulation = Simulation(scene, model, lengths, largest_displacement or math.inf, errors)
-    with one_blas_thread():
-        simulation.run(progress)
     settings = {
         "increment": "auto" if lengths.by_path else lengths.growth,
         "first_length": lengths.first,
@@ -123,6 +130,11 @@ def simulate(
         "engine": engine,
         "tolerance": tolerance,
     }
+    model = BoundaryEngine(scene.material, scene.loading, tolerance, DIRECTIONS[direction])
+    simulation = Simulation(scene, model, lengths, largest_displacement or math.inf, errors)
+    run = run_of(scene, {**settings, "largest_displacement": largest_displacement, "errors": errors})
+    with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
+        simulation.run(progress, opened)
     return fracture_result(scene, simulation.part, simulation.history, settings, simulation.reached)
 
 
@@ -149,25 +161,57 @@ class Simulation:
         self.history = History()
         self.reached = [[-1] * len(crack.points) for crack in self.part.cracks]
 
-    def run(self, progress: Progress = silent) -> None:
-        """Step by step to the end; what fails ends it."""
+    def run(self, progress: Progress = silent, journal: LineJournal | None = None) -> None:
+        """Step by step to the end, behind those of a journal; what fails ends it."""
+        if journal is not None:
+            self._take_up([step_of(record) for record in journal.records], solves=journal.end is None)
+            if journal.end is not None:
+                self.history = history_of(self.history.steps, journal.end)
+                return
+        self._go_on(progress, journal)
+        if journal is not None:
+            journal.add_end(end_of(self.history))
+
+    def _go_on(self, progress: Progress, journal: LineJournal | None) -> None:
+        """Solve and let happen what comes next, again and again."""
+        steps = self.history.steps
         if self.part.is_severed:
-            self.history.outcome = Outcome.SEVERED
+            # steps of a journal may end where a crack has just run into something
+            self.history.outcome = (self._ended() if steps else None) or Outcome.SEVERED
             return
         side = float(np.ptp(self.part.outer, axis=0).min())
-        for k in range(int(MOST_CROSSINGS * side / self.lengths.growth)):
+        for k in range(len(steps), int(MOST_CROSSINGS * side / self.lengths.growth)):
             progress(
                 1 - 0.97**k, f"step {k + 1}, {len(self.part.cracks)} cracks, u = {self.history.u:.3g} mm"
             )
             try:
                 outcome = self._step()
             except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-                if not self.history.steps:
+                if not steps:
                     raise
                 outcome, self.history.reason = Outcome.FAILED, str(error)
+            if journal is not None and len(steps) > k:
+                journal.add(record_of(steps[k]))
             if outcome is not None:
                 self.history.outcome = outcome
                 return
+
+    def _take_up(self, steps: list[Step], solves: bool) -> None:
+        """Let happen again what happened; for what follows, those are solved of which the engine has kept something."""
+        begins = max((k for k, step in enumerate(steps, 1) if step.meets_surface), default=0)
+        for k, step in enumerate(steps):
+            if solves and k >= begins:
+                state = self.engine.solve(self.part, self._ahead())
+                if math.isfinite(step.finer[0]):
+                    state.finer(step.event)
+            grown = self._grown(step.event, step.u_c)
+            if (grown.crack, tuple(grown.end.tolist())) != (step.crack, step.end):
+                raise ValueError(
+                    f"step {k + 1} of the journal leads crack {step.crack} to {step.end}, and here crack {grown.crack} "
+                    f"to {tuple(grown.end.tolist())}: it was written on another machine; begin anew"
+                )
+            self.history.last_stiffness = step.stiffness
+            self._happens(step, grown)
 
     def _step(self) -> Outcome | None:
         """Solve, find the next event, and let it happen; how it ended, if it did."""
@@ -177,41 +221,53 @@ class Simulation:
         history.last_stiffness = F / u
         events = state.events()
         if not events:
-            history.slid += state.slides_before(self.largest / u)
+            history.slides = state.slides_before(self.largest / u)
             return Outcome.NO_EVENT
         event, gap = next_event(events)
-        history.slid += state.slides_before(min(event.load, self.largest / u))
+        slides = state.slides_before(min(event.load, self.largest / u))
         if event.load * u > self.largest:
-            history.last_u = self.largest
+            history.slides, history.last_u, history.next_u = slides, self.largest, event.load * u
             return Outcome.LARGEST
-        increment = self._increment(event, event.load * u >= history.u)
-        grown, crack = self._grown(event, increment)
+        grown = self._grown(event, event.load * u)
         finer = (math.nan, math.nan)
         if self.errors and event.load * u > history.u:
             work, load = state.finer(event)
             F_finer, u_finer = self.conjugate.force_and_displacement(work * self.part.thickness)
             finer = F_finer / u_finer, load * u_finer
-        at_start = self._is_at_start(event, crack)
-        last = grown.cracks[crack].start if at_start else grown.cracks[crack].end
-        end = grown.cracks[crack].points[0 if at_start else -1]
-        self._note(crack, at_start)
-        history.steps.append(
-            Step(
-                event.load * u,
-                F / u,
-                event.kind,
-                crack,
-                tuple(end.tolist()),
-                _name(last, grown) if increment.arrested else "",
-                float(np.linalg.norm(end - event.point)),
-                (event.load * event.K[0], event.load * event.K[1]),
-                gap,
-                state.touches,
-                finer,
-            )
+        step = Step(
+            event.load * u,
+            F / u,
+            event,
+            grown.crack,
+            tuple(grown.end.tolist()),
+            grown.arrested_by,
+            float(np.linalg.norm(grown.end - event.point)),
+            gap,
+            state.touches,
+            slides,
+            tuple(self._candidate(event, u) for event in events),
+            finer,
         )
-        self.part = grown
-        return self._ended() if increment.arrested else None
+        self._happens(step, grown)
+        return self._ended() if step.arrested_by else None
+
+    def _happens(self, step: Step, grown: GrownPart) -> None:
+        """Take over what a step has made of the part."""
+        k = len(self.history.steps)
+        if grown.crack == len(self.reached):
+            self.reached.append([k, k])
+        else:
+            self.reached[grown.crack].insert(0 if grown.at_start else len(self.reached[grown.crack]), k)
+        self.history.steps.append(step)
+        self.part = grown.part
+        if step.meets_surface:  # its panels change there anyway
+            self.engine.begin_anew()
+
+    def _candidate(self, event: Event, u: float) -> Candidate:
+        """What is in question, where u is the displacement under the scene's own load, mm."""
+        crack = crack_of(self.part, event.tip) if event.kind is Kind.GROWTH else -1
+        x, y = event.point.tolist()
+        return Candidate(event.load * u, event.kind, crack, event.hole, x, y)
 
     def _ahead(self) -> list[Array]:
         """Where tips stand after the next increments if they run straight on."""
@@ -221,7 +277,7 @@ class Simulation:
             along = along / np.linalg.norm(along)
             for _ in range(AHEAD):
                 increment = self.surroundings.increment(
-                    self.part, at, along, self.lengths.growth, self.lengths.ahead, self._crack_of(k)
+                    self.part, at, along, self.lengths.growth, self.lengths.ahead, crack_of(self.part, k)
                 )
                 if increment.arrested:
                     break
@@ -229,70 +285,25 @@ class Simulation:
                 found.append(at)
         return found
 
-    def _increment(self, event: Event, rising: bool) -> Increment:
-        """Where the event's increment ends."""
-        own, length = -1, self.lengths.first
-        if event.kind is Kind.GROWTH:
-            own = self._crack_of(event.tip)
-            has_grown = self.reached[own][0 if self._is_at_start(event, own) else -1] >= 0
-            room = self.surroundings.room(self.part, event.point, own) if self.lengths.by_path else math.inf
-            length = self.lengths.along(self.part.tips[event.tip], has_grown, event.direction, room, rising)
-        return self.surroundings.increment(
-            self.part, event.point, event.direction, length, self.lengths.ahead, own
-        )
+    def _grown(self, event: Event, u_c: float) -> GrownPart:
+        length = self._length(event, u_c) if event.kind is Kind.GROWTH else self.lengths.first
+        return grown_part(self.part, event, self.surroundings, length, self.lengths.ahead)
 
-    def _grown(self, event: Event, increment: Increment) -> tuple[Part, int]:
-        """The part after an event, and which crack it was."""
-        if event.kind is Kind.START:
-            return self.part.with_crack([event.point, increment.end]), len(self.part.cracks)
-        return self.part.grown(event.tip, increment.end), self._crack_of(event.tip)
-
-    def _note(self, crack: int, at_start: bool) -> None:
-        """Remember which step led to the new points of a crack."""
-        k = len(self.history.steps)
-        if crack == len(self.reached):
-            self.reached.append([k, k])
-        else:
-            self.reached[crack].insert(0 if at_start else len(self.reached[crack]), k)
-
-    def _crack_of(self, tip: int) -> int:
-        """The crack that a tip belongs to."""
-        of_tips = [k for k, crack in enumerate(self.part.cracks) for _ in crack.tips]
-        return of_tips[tip]
-
-    def _is_at_start(self, event: Event, crack: int) -> bool:
-        """Whether an event moves the first point of its crack."""
-        if event.kind is Kind.START:
-            return False
-        return bool((self.part.cracks[crack].points[0] == event.point).all())
+    def _length(self, event: Event, u_c: float) -> float:
+        """Length of a tip's increment, mm."""
+        crack = crack_of(self.part, event.tip)
+        at_start = bool((self.part.cracks[crack].points[0] == event.point).all())
+        has_grown = self.reached[crack][0 if at_start else -1] >= 0
+        room = self.surroundings.room(self.part, event.point, crack) if self.lengths.by_path else math.inf
+        line, rising = self.part.tips[event.tip], u_c >= self.history.u
+        return self.lengths.along(line, has_grown, event.direction, room, rising)
 
     def _ended(self) -> Outcome | None:
         """What a part is whose crack has just run into something."""
-        pieces = self.part.pieces
-        if len(pieces) == 1:
+        if len(self.part.pieces) == 1:
             return None
         near = 2 * self.part.tolerance
-        carried = set()
-        for condition in self.loading:
-            points, traction, _ = condition.rule
-            if condition.span is None:
-                points = np.array(condition.start) + MIDDLES[:, None] * np.subtract(
-                    condition.end, condition.start
-                )
-            elif not any(condition.is_held):
-                points = points[np.hypot(*traction.T) > 0]
-            at = shapely.points(points)
-            carried |= {k for k, piece in enumerate(pieces) if shapely.dwithin(piece, at, near).any()}
-        if len(carried) < 2:
+        if sum(is_carried(piece, self.loading, near) for piece in self.part.pieces) < 2:
             return Outcome.LOOSE
         self.history.last_stiffness = 0.0
         return Outcome.SEVERED
-
-
-def _name(end: End, part: Part) -> str:
-    """What a crack ends at, in words."""
-    if end == TIP:
-        return ""
-    if end.kind == "crack":
-        return f"crack {end.number}"
-    return f"hole {end.number}" if 0 <= end.number < len(part.holes) else "edge"

@@ -1,5 +1,6 @@
 """`slmm fracture`: what it prints and writes, and what it refuses."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,12 @@ def test_table_file_and_picture(plate, tmp_path):
     with xr.open_dataset(output) as written:
         assert float(written.U_T) == pytest.approx(274.3, rel=2e-3)
         assert written.attrs["command"].startswith("slmm") and written.attrs["increment"] == 4.0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["plate.toml", "result.nc", "result.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "plate.toml",
+        "result.jsonl",
+        "result.nc",
+        "result.png",
+    ]
 
 
 def test_what_is_refused(plate, tmp_path):
@@ -38,6 +44,63 @@ def test_what_is_refused(plate, tmp_path):
     assert refused(run("fracture", plate, "-o", tmp_path / "result.txt"), ".nc")
     assert refused(run("fracture", plate, "--plot", tmp_path / "no" / "result.png"), "there is no folder")
     assert refused(run("fracture", tmp_path / "none.toml"), "none.toml")
+    assert refused(run("fracture", plate, "--animate", tmp_path / "run.png"), "--animate", ".gif or .mp4")
+    assert refused(run("fracture", plate, "--vtk", plate), "--vtk", "must be a folder, and there is a file")
+    assert refused(run("fracture", plate, "--vtk", tmp_path / "no" / "series"), "there is no folder")
+    assert refused(run("fracture", plate, "--magnify", 5), "--magnify 5: needs --plot or --animate")
+    picture = tmp_path / "result.png"
+    assert refused(run("fracture", plate, "--plot", picture, "--magnify", -1), "--magnify -1", "positive")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plate.toml"]
+
+
+def test_films_without_ffmpeg_are_refused_before_the_simulation(plate, tmp_path, monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    result = run("fracture", plate, "--animate", tmp_path / "run.mp4")
+    assert refused(result, "ffmpeg", "is not installed; a .gif needs nothing")
+
+
+def test_films_pictures_of_open_cracks_and_series_for_paraview(plate, tmp_path):
+    film, picture, series = (tmp_path / name for name in ("run.gif", "run.svg", "series"))
+    options = ["--animate", film, "--plot", picture, "--magnify", 10, "--vtk", series]
+    result = run("fracture", plate, "--increment", 20, *options)
+    assert result.exit_code == 0, result.stderr
+    assert film.read_bytes().startswith(b"GIF89a")
+    assert "displacements 10 times as large" in picture.read_text()
+    assert {"fracture.pvd", "step_001.vtu"} <= {path.name for path in series.iterdir()}
+
+
+def test_json_has_all_of_it_and_nothing_else_is_printed(plate):
+    result = run("fracture", plate, "--increment", 16, "--json")
+    assert result.exit_code == 0, result.stderr
+    record = json.loads(result.stdout)
+    assert record["outcome"] == "the part is severed" and record["command"].startswith("slmm")
+    assert record["U_T"] == pytest.approx(274.3, rel=5e-3) and record["units"]["U_T"] == "mJ"
+    assert [step["event"] for step in record["steps"]].count("start") == 1
+    assert record["steps"][-1]["arrested_by"] == "edge"
+    assert len(record["curve"]["u"]) == len(record["curve"]["F"])
+    assert record["cracks"][0][0] == [0.0, 40.0, -1.0] and len(record["cracks"]) == 2
+    assert {"equilibrium_u", "equilibrium_F"} <= set(record["equilibrium_path"])
+
+
+def test_a_stopped_simulation_is_resumed_to_the_same_result(plate, tmp_path):
+    output, journal = tmp_path / "result.nc", tmp_path / "result.jsonl"
+    arguments = ["fracture", plate, "--increment", 8, "-o", output]
+    first = run(*arguments)
+    with xr.open_dataset(output) as result:
+        undisturbed = result.load().drop_attrs()
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[:3]))
+    output.unlink()
+    assert refused(run(*arguments), "result.jsonl: is there already; resume it")
+    again = run(*arguments, "--resume")
+    assert (again.exit_code, again.stdout) == (0, first.stdout)
+    with xr.open_dataset(output) as result:
+        xr.testing.assert_identical(result.load().drop_attrs(), undisturbed)
+    # one that has ended may begin anew
+    assert run(*arguments).exit_code == 0
+    assert refused(run("fracture", plate, "--resume"), "--resume: needs -o")
+    other = ["fracture", plate, "--increment", 4, "-o", output, "--resume"]
+    assert refused(run(*other), "another run, with increment = 8.0", "this one has increment = 4.0")
 
 
 def test_the_largest_displacement_is_said(plate):

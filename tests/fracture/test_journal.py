@@ -1,0 +1,134 @@
+"""Simulations that were stopped end as they would have ended, to the bit."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from slmm.fracture import simulate
+from slmm.fracture.boundary_engine import BoundaryEngine
+from slmm.fracture.history import Outcome
+from slmm.fracture.journal import digest_of
+from slmm.scene.gallery import circular_hole, tensile_plate
+
+INCREMENT = 8.0
+
+
+def plate():
+    return tensile_plate([(38.0, 44.0, 7.0)])
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """A journal, and the result that it led to."""
+    path = tmp_path_factory.mktemp("journal") / "calm.jsonl"
+    return path, simulate(plate(), INCREMENT, journal=path)
+
+
+@pytest.fixture
+def solves(monkeypatch):
+    """Parts that are solved."""
+    solve, parts = BoundaryEngine.solve, []
+
+    def counted(self, part, ahead=()):
+        parts.append(part)
+        return solve(self, part, ahead)
+
+    monkeypatch.setattr(BoundaryEngine, "solve", counted)
+    return parts
+
+
+def test_a_journal_changes_nothing(undisturbed):
+    xr.testing.assert_identical(undisturbed[1], simulate(plate(), INCREMENT))
+
+
+def test_stopped_after_any_step_it_ends_as_if_undisturbed(undisturbed, tmp_path):
+    path, result = undisturbed
+    lines = path.read_bytes().splitlines(keepends=True)
+    assert len(lines) == result.sizes["step"] + 2
+    for k in range(len(lines)):
+        cut = tmp_path / f"{k}.jsonl"
+        cut.write_bytes(b"".join(lines[:k]) + lines[k][:20])
+        xr.testing.assert_identical(simulate(plate(), INCREMENT, journal=cut, resume=True), result)
+        assert cut.read_bytes() == path.read_bytes()
+
+
+def test_what_has_ended_is_read_back_without_a_solve(undisturbed, solves):
+    path, result = undisturbed
+    xr.testing.assert_identical(simulate(plate(), INCREMENT, journal=path, resume=True), result)
+    assert not solves
+
+
+def test_solved_again_is_what_came_since_a_crack_last_met_a_surface(undisturbed, solves, tmp_path):
+    path, result = undisturbed
+    last = result.sizes["step"] - 1
+    start = int(np.flatnonzero(result.event == "start")[-1])
+    cut = tmp_path / "cut.jsonl"
+    cut.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[: 1 + last]))
+    simulate(plate(), INCREMENT, journal=cut, resume=True)
+    assert len(solves) == last - start
+    assert all(len(part.cracks) == 2 for part in solves)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"largest_displacement": 0.4}, {"errors": False}],
+    ids=["the largest displacement", "without errors"],
+)
+def test_other_ends_are_resumed_too(settings, tmp_path, solves):
+    path = tmp_path / "run.jsonl"
+    result = simulate(plate(), INCREMENT, journal=path, **settings)
+    lines = path.read_bytes().splitlines(keepends=True)
+    for content in (lines, lines[:-1], lines[:2]):
+        path.write_bytes(b"".join(content))
+        solves.clear()
+        again = simulate(plate(), INCREMENT, journal=path, resume=True, **settings)
+        xr.testing.assert_identical(again, result)
+        assert not solves or content is not lines
+
+
+def test_a_piece_that_comes_loose_is_told_after_a_stop_there(tmp_path, monkeypatch):
+    """And is not taken for severing."""
+    monkeypatch.setattr("slmm.fracture.simulation.is_carried", lambda *_: False)
+    path = tmp_path / "run.jsonl"
+    result = simulate(plate(), INCREMENT, journal=path, errors=False)
+    assert result.attrs["outcome"] == Outcome.LOOSE
+    path.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[:-1]))
+    again = simulate(plate(), INCREMENT, journal=path, resume=True, errors=False)
+    xr.testing.assert_identical(again, result)
+
+
+def test_another_scene_and_other_settings_are_refused_by_name(undisturbed):
+    path, _ = undisturbed
+    with pytest.raises(ValueError, match=r"with increment = 8.0, .* has increment = 4.0"):
+        simulate(plate(), 4.0, journal=path, resume=True)
+    with pytest.raises(
+        ValueError, match=r"scene = Tensile plate, 1 hole \(.* has scene = Tensile plate, 0 holes"
+    ):
+        simulate(tensile_plate(), INCREMENT, journal=path, resume=True)
+    with pytest.raises(ValueError, match="resume = True: needs the journal"):
+        simulate(plate(), INCREMENT, resume=True)
+
+
+def test_a_step_that_would_lead_elsewhere_is_refused(undisturbed, tmp_path, monkeypatch):
+    path, _ = undisturbed
+    cut = tmp_path / "cut.jsonl"
+    cut.write_bytes(path.read_bytes())
+    monkeypatch.setattr("slmm.fracture.growth.THIN", 30.0)
+    with pytest.raises(ValueError, match=r"step \d+ of the journal leads crack 0 to .* begin anew"):
+        simulate(plate(), INCREMENT, journal=cut, resume=True)
+
+
+def test_a_digest_knows_all_that_breaks_and_nothing_else():
+    scene = circular_hole()
+    changed = [
+        scene,
+        scene.with_(plate={"thickness": 2.0}),
+        scene.with_(holes=[{"shape": "circle", "center": [50.0, 50.0], "radius": 20.1}]),
+        scene.with_(material={"name": "PS"}),
+        scene.with_(material={"state": "plane strain"}),
+        scene.with_(load={"stress": 1.0}),
+        scene.with_(load={"stress": 2.0}),
+        scene.with_(cracks=[{"points": [[0.0, 30.0], [10.0, 30.0]]}]),
+    ]
+    assert len({digest_of(one) for one in changed}) == len(changed)
+    assert digest_of(scene.with_(analysis={"positions": 7}, title="x")) == digest_of(scene)
