@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.criteria.griffith import energy_release_rate
-from slmm.fracture.initiation_sites import Site
+from slmm.fracture.surface_peaks import Site
 from slmm.fracture.kinking import maximum_tangential_stress
 from slmm.mechanics.material import Material
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,15 +12,19 @@ import shapely
 from numpy.typing import NDArray
 
 from slmm.fracture.boundary_engine import BoundaryEngine
+from slmm.fracture.engine import Engine
 from slmm.fracture.events import Event, Kind, next_event
+from slmm.fracture.fem_engine import FemEngine
 from slmm.fracture.fracture_result import fracture_result
 from slmm.fracture.growth import LOOK_AHEAD, Increment, Surroundings
 from slmm.fracture.history import History, Outcome, Step
 from slmm.fracture.work_conjugate import work_conjugate
+from slmm.mechanics.material import Material
 from slmm.part.crack import TIP, End
 from slmm.part.part import Part
 from slmm.running.blas import one_blas_thread
 from slmm.running.progress import Progress, silent
+from slmm.scene.loading import Loading
 from slmm.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -35,7 +40,11 @@ MOST_CROSSINGS = 10
 MIDDLES = (np.arange(20) + 0.5) / 20
 #: increments for which a body is prepared at once; chosen
 AHEAD = 4
-ENGINES, INITIATIONS = ("boundary",), ("point",)
+ENGINES: dict[str, Callable[[Material, Loading, float], Engine]] = {
+    "boundary": BoundaryEngine,
+    "fem": FemEngine,
+}
+INITIATIONS = ("point",)
 
 
 @dataclass(frozen=True)
@@ -78,7 +87,9 @@ def simulate(
     increment : float or "auto"
         Length of an increment, mm; "auto" is 1/40 of the part's shorter side.
     initiation : {"point"}
-    engine : {"boundary"}
+    engine : {"boundary", "fem"}
+        What solves the part: boundary integrals, or finite elements on a mesh of their own for every increment, which
+        take some twenty times as long and do not hold faces of cracks apart.
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
     first_length : float, optional
@@ -102,6 +113,8 @@ def simulate(
     ValueError
         When an argument or the load does not fit. What fails later ends the simulation with its reason and the steps
         so far.
+    ImportError
+        When the engine needs an extra that is not installed.
 
     Examples
     --------
@@ -118,7 +131,8 @@ def simulate(
         if value is not None and not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: must be a positive number")
     lengths = _lengths(scene.part, increment, first_length)
-    simulation = Simulation(scene, lengths, tolerance, largest_displacement or math.inf, errors)
+    solver = ENGINES[engine](scene.material, scene.loading, tolerance)
+    simulation = Simulation(scene, solver, lengths, largest_displacement or math.inf, errors)
     with one_blas_thread():
         simulation.run(progress)
     settings = {
@@ -126,8 +140,8 @@ def simulate(
         "first_length": lengths.first,
         "look_ahead": lengths.ahead,
         "initiation": initiation,
-        "engine": engine,
         "tolerance": tolerance,
+        **solver.described,
     }
     return fracture_result(scene, simulation.part, simulation.history, settings, simulation.reached)
 
@@ -161,12 +175,11 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene, lengths: Lengths, tolerance: float, largest: float, errors: bool
+        self, scene: Scene, engine: Engine, lengths: Lengths, largest: float, errors: bool
     ) -> None:
         """Nothing happens yet."""
-        self.part, self.material, self.loading = scene.part, scene.material, scene.loading
+        self.part, self.loading, self.engine = scene.part, scene.loading, engine
         self.conjugate = work_conjugate(self.loading, self.part.thickness)
-        self.engine = BoundaryEngine(self.material, self.loading, tolerance)
         self.lengths, self.largest, self.errors = lengths, largest, errors
         self.surroundings = Surroundings(self.part)
         self.history = History()
@@ -184,7 +197,7 @@ class Simulation:
             )
             try:
                 outcome = self._step()
-            except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
+            except (ValueError, ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
                 if not self.history.steps:
                     raise
                 outcome, self.history.reason = Outcome.FAILED, str(error)
