@@ -37,7 +37,13 @@ def fracture(
     increment: Annotated[
         str, typer.Option(metavar="MM|auto", help="Length by which cracks grow in a step.")
     ] = "auto",
-    engine: Annotated[str, typer.Option(help="What solves the part: boundary.")] = "boundary",
+    engine: Annotated[
+        str,
+        typer.Option(
+            metavar="boundary|fem",
+            help="What solves the part: boundary integrals, or a mesh for every increment.",
+        ),
+    ] = "boundary",
     initiation: Annotated[str, typer.Option(help="What starts cracks at surfaces: point.")] = "point",
     tolerance: Annotated[
         float, typer.Option(min=1e-6, max=0.5, help="Relative error of U_T that is aimed at.")
@@ -155,7 +161,9 @@ def _print_result(result: xr.Dataset) -> None:
             soft_wrap=True,
         )
     if touches := int(result.touches.sum()):
-        out.print(f"In {touches} steps faces of cracks hold each other, without friction.", soft_wrap=True)
+        contact = result.attrs["contact"]
+        says = "overlap, and nothing holds them" if contact == "none" else f"hold each other, {contact}"
+        out.print(f"In {touches} steps faces of cracks {says}.", soft_wrap=True)
 
 
 def _runs(result: xr.Dataset) -> list[tuple[int, int]]:

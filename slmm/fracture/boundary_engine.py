@@ -97,7 +97,12 @@ class BoundaryEngine:
     @property
     def described(self) -> dict[str, object]:
         """What it is, as attributes of a result."""
-        return {"engine": "boundary", "order": self.order, "crack_order": self.crack_order}
+        return {
+            "engine": "boundary",
+            "order": self.order,
+            "crack_order": self.crack_order,
+            "contact": "without friction",
+        }
 
     def solve(self, part: Part, ahead: Sequence[Array] = ()) -> BoundaryState:
         """The part with its cracks.

@@ -65,7 +65,8 @@ class Engine(Protocol):
 
 def growth_load(K: Array, material: Material) -> float:
     """Load, over the scene's own, at which a tip with K_I and K_II (2,) grows by Griffith's criterion."""
-    return float(np.sqrt(material.G_c / energy_release_rate(*K, material)))
+    K_I, K_II = K.tolist()
+    return float(np.sqrt(material.G_c / energy_release_rate(K_I, K_II, material)))
 
 
 def slides(K: Array, load: float, material: Material) -> bool:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.criteria.griffith import energy_release_rate
-from slmm.fracture.surface_peaks import Site
 from slmm.fracture.kinking import maximum_tangential_stress
+from slmm.fracture.surface_peaks import Site
 from slmm.mechanics.material import Material
 
 Array = NDArray[np.float64]

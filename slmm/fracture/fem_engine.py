@@ -114,9 +114,8 @@ class FemState:
 
     def finer(self, event: Event) -> tuple[float, float]:
         """Work and the load of an event on a mesh with elements half as large, for estimates of errors."""
-        at_start = event.kind is Kind.START and self._at_sites is not None
-        mesh = self._at_sites.mesh if at_start else self.mesh
-        model = PlateModel(mesh.refined(), self.material, self.loading, self.part.thickness)
+        coarser = self._at_sites if event.kind is Kind.START and self._at_sites else self
+        model = PlateModel(coarser.mesh.refined(), self.material, self.loading, self.part.thickness)
         if event.kind is Kind.GROWTH:
             K = tip_stress_intensities(model, self.part)[event.tip]
             return _work(model), growth_load(K, self.material)

@@ -156,8 +156,9 @@ def _even_edges(line: Array, size: ElementSize) -> tuple[Array, Array]:
         if not sudden.any():
             break
         count[sudden] += 1
-    share = [(np.arange(n) + 0.5) / n for n in count]
-    middles = [start + each[:, None] * way for start, each, way in zip(a, share, step, strict=True)]
+    middles = [
+        start + (np.arange(n)[:, None] + 0.5) / n * way for start, n, way in zip(a, count, step, strict=True)
+    ]
     return np.concatenate(middles), np.repeat(edge, count)
 
 

@@ -82,8 +82,9 @@ class Ring:
                 along = np.mod(piece.s[0] - s, self.outlines[piece.outline].length)
                 on = np.ones(len(s), dtype=bool)
             ways.append(start + along[on & (along >= 0) & (along <= span)])
-        way = np.sort(np.concatenate(ways))
-        way = way[np.diff(way, prepend=-self.length) > 1e-9 * self.length]
+        way, same = np.concatenate(ways), 1e-9 * self.length
+        way = np.sort(np.where(way > self.length - same, 0.0, way))
+        way = way[np.diff(way, prepend=-self.length) > same]
         step = np.mod(np.roll(way, -1) - way, self.length)
         return np.sort(np.mod(np.concatenate([way, way + 0.5 * step]), self.length))
 

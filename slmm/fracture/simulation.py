@@ -174,9 +174,7 @@ class Simulation:
         For each crack and each of its points the step that led there; -1 of what was there before.
     """
 
-    def __init__(
-        self, scene: Scene, engine: Engine, lengths: Lengths, largest: float, errors: bool
-    ) -> None:
+    def __init__(self, scene: Scene, engine: Engine, lengths: Lengths, largest: float, errors: bool) -> None:
         """Nothing happens yet."""
         self.part, self.loading, self.engine = scene.part, scene.loading, engine
         self.conjugate = work_conjugate(self.loading, self.part.thickness)

@@ -88,9 +88,7 @@ StressBelow = Callable[[Places], Array]
 
 def may_start(part: Part, loading: Loading, points: Array, depth: float) -> NDArray[np.bool_]:
     """Which points (n, 2) of free surfaces are beside no mouth of a crack, corner or end of a support."""
-    corners = [
-        outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in part.outlines
-    ]
+    corners = [outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in part.outlines]
     # where a support ends its model has a stress that the support itself would not have
     supports = [condition.ends for condition in loading if any(condition.is_held)]
     special = np.concatenate([np.empty((0, 2)), mouths(part), *corners, *supports])
@@ -157,9 +155,7 @@ def at_peaks(sampled: Sequence[Sampled], stress_below: StressBelow, least: float
     return _followed(brackets[:MOST_PEAKS], stress_below) if brackets else []
 
 
-def _followed(
-    brackets: Sequence[tuple[float, Curve, float, float]], stress_below: StressBelow
-) -> list[Site]:
+def _followed(brackets: Sequence[tuple[float, Curve, float, float]], stress_below: StressBelow) -> list[Site]:
     """The peaks within brackets (value at its point, curve, from, to)."""
     curves = [bracket[1] for bracket in brackets]
     middle = np.array([0.5 * (low + high) for *_, low, high in brackets])
