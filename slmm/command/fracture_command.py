@@ -43,7 +43,13 @@ def fracture(
             metavar="MM|auto", help="Length by which cracks grow in a step; auto: as their path asks."
         ),
     ] = "auto",
-    engine: Annotated[str, typer.Option(help="What solves the part: boundary.")] = "boundary",
+    engine: Annotated[
+        str,
+        typer.Option(
+            metavar="boundary|fem",
+            help="What solves the part: boundary integrals, or a mesh for every increment.",
+        ),
+    ] = "boundary",
     initiation: Annotated[str, typer.Option(help="What starts cracks at surfaces: point.")] = "point",
     tolerance: Annotated[
         float, typer.Option(min=1e-6, max=0.5, help="Relative error of U_T that is aimed at.")

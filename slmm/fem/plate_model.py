@@ -44,6 +44,8 @@ class PlateModel:
     ----------
     mesh : skfem.MeshTri2
         Vertices first, then the middles of the facets; each face of a crack or of the path with its own.
+    faces : tuple of ndarray, shape (k, 2)
+        Nodes of each crack, right and left face.
     points : ndarray, shape (n, 2)
         Nodes, mm.
     triangles : ndarray, shape (m, 6)
@@ -65,7 +67,7 @@ class PlateModel:
         self.E, self.nu = material.plane_stress_equivalent
         self.material, self.thickness = material, thickness
         slit = open_slits(mesh)
-        self.mesh = slit.mesh
+        self.mesh, self.faces = slit.mesh, slit.cracks
         self.points = self.mesh.doflocs.T
         self.triangles = np.concatenate([self.mesh.t, self.mesh.nvertices + self.mesh.t2f[[0, 1, 2]]]).T
         n = len(self.points)
@@ -98,6 +100,17 @@ class PlateModel:
         on = condition.on(self.points)
         force = np.where(self.load.prescribed, (self.K @ self.u.ravel()).reshape(-1, 2), self.load.force)
         return force[on].sum(axis=0)
+
+    @cached_property
+    def opening(self) -> np.ndarray:
+        """How far the faces of cracks are apart at the middles (k,) of their edges, mm; negative where they overlap."""
+        found = [np.empty(0)]
+        for pairs in self.faces:
+            right, left = pairs[1::2].T
+            x, y = (self.points[right] - self.points[pairs[: 2 * len(right) : 2, 0]]).T
+            jump = self.u[left] - self.u[right]
+            found.append((jump[:, 1] * x - jump[:, 0] * y) / np.hypot(x, y))
+        return np.concatenate(found)
 
     def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
         """Put the free displacements into ``value`` (2 n,), which holds the prescribed ones."""

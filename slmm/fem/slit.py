@@ -25,12 +25,15 @@ class SlitMesh:
     right, left : ndarray, shape (2 k,)
         Nodes of the two faces of the trial path, corners and midsides in turn from the mouth inwards, without
         the deepest tip; with the last corner where the path ends on a surface and has no tip.
+    cracks : tuple of ndarray, shape (k, 2)
+        The same nodes of each crack, right and left face, from its start to its end; a tip is on both.
     """
 
     mesh: MeshTri2
     origin: np.ndarray
     right: np.ndarray
     left: np.ndarray
+    cracks: tuple[np.ndarray, ...] = ()
 
 
 def split_vertices(triangles: np.ndarray, slits: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -101,7 +104,8 @@ def open_slits(mesh: PlateMesh) -> SlitMesh:
     curved = np.flatnonzero(edges[order][at] == facets) if len(edges) else np.empty(0, dtype=int)
     doflocs[:, len(origin) + curved] = mesh.edge_midpoints()[order][at[curved]].T
     right, left = _faces(opened, origin, facets, mesh.path, n)
-    return SlitMesh(replace(opened, doflocs=doflocs), origin, right, left)
+    pairs = [np.column_stack(_faces(opened, origin, facets, crack, n)) for crack in mesh.cracks]
+    return SlitMesh(replace(opened, doflocs=doflocs), origin, right, left, tuple(pairs))
 
 
 def _faces(

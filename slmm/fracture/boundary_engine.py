@@ -12,9 +12,9 @@ from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
-from slmm.criteria.griffith import energy_release_rate
 from slmm.fracture.directions import Direction
-from slmm.fracture.events import COMPETING, Event, Kind, growths, starts
+from slmm.fracture.engine import competing_events, growth_load, slides, unloaded
+from slmm.fracture.events import Event, Kind
 from slmm.fracture.initiation_sites import critical_sites
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
@@ -39,12 +39,9 @@ class BoundaryState:
     Parameters
     ----------
     model : BoundaryModel
-    direction : callable
-        Which way tips run on, see `slmm.fracture.directions`.
     """
 
     model: BoundaryModel
-    direction: Direction
 
     @property
     def work(self) -> float:
@@ -59,27 +56,26 @@ class BoundaryState:
 
     def slides_before(self, load: float) -> bool:
         """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
-        K, material = self.model.stress_intensities(), self.model.body.material
-        closed = K[K[:, 0] <= 0]
-        return any(energy_release_rate(0.0, K_II, material) * load**2 > material.G_c for K_II in closed[:, 1])
+        return slides(self.model.stress_intensities(), load, self.model.body.material)
 
-    def events(self) -> list[Event]:
-        """What may happen next, where it competes with the lowest load."""
-        part, material = self.model.part, self.model.body.material
-        K = self.model.stress_intensities()
-        sizes = np.array([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in part.tips])
-        closed = NO_OPENING * float(np.abs(self.model.hoop).max()) * np.sqrt(np.pi * sizes)
-        tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material, self.direction)
-        lowest = min((event.load for event in tips), default=np.inf)
-        least = material.sigma_c / (lowest * (1 + COMPETING))
-        return tips + starts(critical_sites(self.model, least), material)
+    def events(self, direction: Direction) -> list[Event]:
+        """What may happen next, where it competes with the lowest load; which way tips run on is given."""
+        model = self.model
+        closed = unloaded(model.part, float(np.abs(model.hoop).max()), NO_OPENING)
+        return competing_events(
+            model.part,
+            model.stress_intensities(),
+            closed,
+            lambda least: critical_sites(model, least),
+            model.body.material,
+            direction,
+        )
 
     def finer(self, event: Event) -> tuple[float, float]:
         """Work and the load of an event by the model with more points, for estimates of errors."""
         model, material = self.model.finer, self.model.body.material
         if event.kind is Kind.GROWTH:
-            K_I, K_II = model.stress_intensities()[event.tip]
-            return model.work, float(np.sqrt(material.G_c / energy_release_rate(K_I, K_II, material)))
+            return model.work, growth_load(model.stress_intensities()[event.tip], material)
         below = event.point + point_distance(material) * event.direction
         return model.work, material.sigma_c / float(principal_stress(model.stress(below[None]))[0])
 
@@ -93,15 +89,23 @@ class BoundaryEngine:
     loading : Loading
     tolerance : float
         Relative error of U_T that is aimed at.
-    direction : callable
-        Which way tips run on, see `slmm.fracture.directions`.
     """
 
-    def __init__(self, material: Material, loading: Loading, tolerance: float, direction: Direction) -> None:
+    def __init__(self, material: Material, loading: Loading, tolerance: float) -> None:
         """Nothing is solved yet."""
-        self.material, self.loading, self.direction = material, loading, direction
+        self.material, self.loading = material, loading
         self.order, self.crack_order = next(orders for error, orders in ORDERS if tolerance >= error)
         self._last: BoundaryModel | None = None
+
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        return {
+            "engine": "boundary",
+            "order": self.order,
+            "crack_order": self.crack_order,
+            "contact": "without friction",
+        }
 
     def solve(self, part: Part, ahead: Sequence[Array] = ()) -> BoundaryState:
         """The part with its cracks.
@@ -120,7 +124,7 @@ class BoundaryEngine:
             )
         else:
             self._last = self._last.with_cracks_of(part, places)
-        return BoundaryState(self._last, self.direction)
+        return BoundaryState(self._last)
 
     def begin_anew(self) -> None:
         """Forget what was solved: what comes next does not depend on it, not in the last digit either."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from slmm.criteria.griffith import energy_release_rate
 from slmm.fracture.directions import Direction
-from slmm.fracture.initiation_sites import Site
+from slmm.fracture.surface_peaks import Site
 from slmm.mechanics.material import Material
 
 Array = NDArray[np.float64]

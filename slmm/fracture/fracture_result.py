@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: what covers the difference between two orders, as in `slmm.boundary.model`; chosen
 COVERS = 4.0
 ERROR_IS = (
-    f"{COVERS:g} times what a model of the next order changes where the displacement rises, and what drops of the "
+    f"{COVERS:g} times what a finer model changes where the displacement rises, and what drops of the "
     "force leave out of stable growth (of U_T_integrated: how far lines there miss the energy that growth takes); not "
     "whether competing events turn the path"
 )
@@ -94,7 +94,7 @@ def fracture_result(
                 "step",
                 np.array([s.touches for s in steps], dtype=bool),
                 "1",
-                "whether faces of cracks hold each other",
+                "whether faces of cracks meet",
             ),
             "crack_x": (("crack", "point"), x, "mm", "x along the cracks"),
             "crack_y": (("crack", "point"), y, "mm", "y along the cracks"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.fracture.boundary_engine import BoundaryEngine
-from slmm.fracture.directions import DIRECTIONS
+from slmm.fracture.directions import DIRECTIONS, Direction
+from slmm.fracture.engine import Engine
 from slmm.fracture.events import Event, Kind, next_event
+from slmm.fracture.fem_engine import FemEngine
 from slmm.fracture.fracture_result import fracture_result
 from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
 from slmm.fracture.growth import LOOK_AHEAD, Surroundings
@@ -20,9 +23,12 @@ from slmm.fracture.history import Candidate, History, Outcome, Step
 from slmm.fracture.journal import end_of, history_of, record_of, run_of, step_of
 from slmm.fracture.lengths import Lengths, lengths_of
 from slmm.fracture.work_conjugate import work_conjugate
+from slmm.mechanics.material import Material
+from slmm.part.part import Part
 from slmm.running.blas import one_blas_thread
 from slmm.running.line_journal import LineJournal, open_lines
 from slmm.running.progress import Progress, silent
+from slmm.scene.loading import Loading
 from slmm.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -34,7 +40,11 @@ Array = NDArray[np.float64]
 MOST_CROSSINGS = 10
 #: increments for which a body is prepared at once; chosen
 AHEAD = 4
-ENGINES, INITIATIONS = ("boundary",), ("point",)
+ENGINES: dict[str, Callable[[Material, Loading, float], Engine]] = {
+    "boundary": BoundaryEngine,
+    "fem": FemEngine,
+}
+INITIATIONS = ("point",)
 
 
 def simulate(
@@ -67,7 +77,9 @@ def simulate(
         Length of an increment, mm; "auto" begins with 1/40 of the part's shorter side, becomes shorter where the path
         bends, and longer where it is straight, far from surfaces, and the curve falls.
     initiation : {"point"}
-    engine : {"boundary"}
+    engine : {"boundary", "fem"}
+        What solves the part: boundary integrals, or finite elements on a mesh of their own for every increment, which
+        take some twenty times as long and do not hold faces of cracks apart.
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
     direction : {"MTS", "MERR", "local symmetry", "J"}
@@ -101,6 +113,8 @@ def simulate(
         has not ended and is not resumed. What fails later ends the simulation with its reason and the steps so far.
     NotWrittenError
         When the journal cannot be written; it is resumed with the steps that it holds.
+    ImportError
+        When the engine needs an extra that is not installed.
 
     Examples
     --------
@@ -121,17 +135,18 @@ def simulate(
     if resume and journal is None:
         raise ValueError("resume = True: needs the journal of what shall be resumed")
     lengths = lengths_of(scene.part, increment, first_length, LOOK_AHEAD)
+    solver = ENGINES[engine](scene.material, scene.loading, tolerance)
     settings = {
         "increment": "auto" if lengths.by_path else lengths.growth,
         "first_length": lengths.first,
         "look_ahead": lengths.ahead,
         "initiation": initiation,
         "direction": direction,
-        "engine": engine,
         "tolerance": tolerance,
+        **solver.described,
     }
-    model = BoundaryEngine(scene.material, scene.loading, tolerance, DIRECTIONS[direction])
-    simulation = Simulation(scene, model, lengths, largest_displacement or math.inf, errors)
+    largest = largest_displacement or math.inf
+    simulation = Simulation(scene, solver, DIRECTIONS[direction], lengths, largest, errors)
     run = run_of(scene, {**settings, "largest_displacement": largest_displacement, "errors": errors})
     with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
         simulation.run(progress, opened)
@@ -151,12 +166,12 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene, engine: BoundaryEngine, lengths: Lengths, largest: float, errors: bool
+        self, scene: Scene, engine: Engine, direction: Direction, lengths: Lengths, largest: float, errors: bool
     ) -> None:
         """Nothing happens yet."""
         self.part, self.loading, self.engine = scene.part, scene.loading, engine
         self.conjugate = work_conjugate(self.loading, self.part.thickness)
-        self.lengths, self.largest, self.errors = lengths, largest, errors
+        self.direction, self.lengths, self.largest, self.errors = direction, lengths, largest, errors
         self.surroundings = Surroundings(self.part)
         self.history = History()
         self.reached = [[-1] * len(crack.points) for crack in self.part.cracks]
@@ -186,7 +201,7 @@ class Simulation:
             )
             try:
                 outcome = self._step()
-            except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
+            except (ValueError, ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
                 if not steps:
                     raise
                 outcome, self.history.reason = Outcome.FAILED, str(error)
@@ -219,7 +234,7 @@ class Simulation:
         state = self.engine.solve(self.part, self._ahead())
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
-        events = state.events()
+        events = state.events(self.direction)
         if not events:
             history.slides = state.slides_before(self.largest / u)
             return Outcome.NO_EVENT

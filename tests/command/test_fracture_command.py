@@ -35,12 +35,22 @@ def test_table_file_and_picture(plate, tmp_path):
     ]
 
 
+def test_finite_elements_say_what_they_were(plate, tmp_path):
+    pytest.importorskip("netgen")
+    output = tmp_path / "result.nc"
+    result = run("fracture", plate, "--increment", 16, "--engine", "fem", "-o", output)
+    assert result.exit_code == 0, result.stderr
+    with xr.open_dataset(output) as written:
+        assert (written.attrs["engine"], written.attrs["contact"]) == ("fem", "none")
+        assert written.attrs["nodes"] > 1000 and written.attrs["fineness"] == 1.0
+
+
 def test_what_is_refused(plate, tmp_path):
     assert refused(
         run("fracture", plate, "--increment", "long"), "--increment long", "a length in mm, or auto"
     )
     assert refused(run("fracture", plate, "--increment", "900"), "increment = 900.0", "must lie between")
-    assert refused(run("fracture", plate, "--engine", "fem"), "engine = 'fem'", "boundary")
+    assert refused(run("fracture", plate, "--engine", "guess"), "engine = 'guess'", "boundary, fem")
     assert refused(run("fracture", plate, "-o", tmp_path / "result.txt"), ".nc")
     assert refused(run("fracture", plate, "--plot", tmp_path / "no" / "result.png"), "there is no folder")
     assert refused(run("fracture", tmp_path / "none.toml"), "none.toml")

@@ -187,7 +187,7 @@ def test_what_fails_later_keeps_the_steps_so_far(monkeypatch):
         ({"increment": float("nan")}, "increment = nan"),
         ({"increment": "long"}, "increment = 'long': must be a length in mm or 'auto'"),
         ({"first_length": 100.0}, "first_length = 100.0: must lie between 0.008 and 80 mm"),
-        ({"engine": "fem"}, "engine = 'fem': must be one of boundary"),
+        ({"engine": "guess"}, "engine = 'guess': must be one of boundary, fem"),
         ({"initiation": "guess"}, "initiation = 'guess': must be one of point"),
         ({"tolerance": -1.0}, "tolerance = -1.0"),
         ({"largest_displacement": 0.0}, "largest_displacement = 0.0"),

@@ -1,0 +1,114 @@
+"""What solves a part for the simulator: boundary integrals or finite elements, and what both have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slmm.criteria.griffith import energy_release_rate
+from slmm.fracture.directions import Direction
+from slmm.fracture.events import COMPETING, Event, growths, starts
+from slmm.fracture.surface_peaks import Site
+from slmm.mechanics.material import Material
+from slmm.part.part import Part
+
+Array = NDArray[np.float64]
+
+
+class State(Protocol):
+    """A part with its cracks under the scene's own load."""
+
+    @property
+    def work(self) -> float:
+        """Twice the stored energy, N mm for each mm of thickness."""
+        ...
+
+    @property
+    def touches(self) -> bool:
+        """Whether faces of cracks meet."""
+        ...
+
+    def slides_before(self, load: float) -> bool:
+        """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
+        ...
+
+    def events(self, direction: Direction) -> list[Event]:
+        """What may happen next, where it competes with the lowest load; which way tips run on is given."""
+        ...
+
+    def finer(self, event: Event) -> tuple[float, float]:
+        """Work and the load of an event by a finer model, for estimates of errors."""
+        ...
+
+
+class Engine(Protocol):
+    """Solves one part after the other, each with other cracks than the one before."""
+
+    @property
+    def described(self) -> dict[str, object]:
+        """What it is, as attributes of a result."""
+        ...
+
+    def solve(self, part: Part, ahead: Sequence[Array] = ()) -> State:
+        """The part with its cracks.
+
+        Parameters
+        ----------
+        part : Part
+        ahead : sequence of ndarray, shape (2,)
+            Where tips will stand after the next increments if they run straight on, mm.
+        """
+        ...
+
+    def begin_anew(self) -> None:
+        """Forget what was solved: what comes next does not depend on it, not in the last digit either."""
+        ...
+
+
+def growth_load(K: Array, material: Material) -> float:
+    """Load, over the scene's own, at which a tip with K_I and K_II (2,) grows by Griffith's criterion."""
+    K_I, K_II = K.tolist()
+    return float(np.sqrt(material.G_c / energy_release_rate(K_I, K_II, material)))
+
+
+def slides(K: Array, load: float, material: Material) -> bool:
+    """Whether a closed one of tips with K_I and K_II (k, 2) would slide on, by its K_II alone, below a load."""
+    closed = K[K[:, 0] <= 0]
+    return any(growth_load(np.array([0.0, K_II]), material) < load for K_II in closed[:, 1] if K_II)
+
+
+def competing_events(
+    part: Part,
+    K: Array,
+    closed: Array,
+    sites: Callable[[float], list[Site]],
+    material: Material,
+    direction: Direction,
+) -> list[Event]:
+    """Tips that grow and surfaces that crack, those of them that compete with the lowest load.
+
+    Parameters
+    ----------
+    part : Part
+    K : ndarray, shape (k, 2)
+        K_I and K_II of its tips, MPa sqrt(mm).
+    closed : ndarray, shape (k,)
+        K_I up to which a tip is closed, for all that the model resolves.
+    sites : callable
+        Where cracks may start, given the stress, MPa, below which they are of no interest.
+    material : Material
+    direction : callable
+        Which way tips run on, see `slmm.fracture.directions`.
+    """
+    tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material, direction)
+    lowest = min((event.load for event in tips), default=np.inf)
+    return tips + starts(sites(material.sigma_c / (lowest * (1 + COMPETING))), material)
+
+
+def unloaded(part: Part, stress: float, share: float) -> Array:
+    """K_I (k,) of tips that a share of the largest stress along surfaces, MPa, would cause: K_I that is none."""
+    sizes = [np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in part.tips]
+    return np.asarray(share * stress * np.sqrt(np.pi * np.array(sizes)))
