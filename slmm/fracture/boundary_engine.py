@@ -91,6 +91,8 @@ class BoundaryEngine:
         Relative error of U_T that is aimed at.
     """
 
+    keeps = True
+
     def __init__(self, material: Material, loading: Loading, tolerance: float) -> None:
         """Nothing is solved yet."""
         self.material, self.loading = material, loading
@@ -125,7 +127,3 @@ class BoundaryEngine:
         else:
             self._last = self._last.with_cracks_of(part, places)
         return BoundaryState(self._last)
-
-    def begin_anew(self) -> None:
-        """Forget what was solved: what comes next does not depend on it, not in the last digit either."""
-        self._last = None

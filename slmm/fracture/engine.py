@@ -45,7 +45,15 @@ class State(Protocol):
 
 
 class Engine(Protocol):
-    """Solves one part after the other, each with other cracks than the one before."""
+    """Solves one part after the other, each with other cracks than the one before.
+
+    Attributes
+    ----------
+    keeps : bool
+        Whether it keeps something from one solution for the next, which then depends on it in its last digits.
+    """
+
+    keeps: bool
 
     @property
     def described(self) -> dict[str, object]:
@@ -61,10 +69,6 @@ class Engine(Protocol):
         ahead : sequence of ndarray, shape (2,)
             Where tips will stand after the next increments if they run straight on, mm.
         """
-        ...
-
-    def begin_anew(self) -> None:
-        """Forget what was solved: what comes next does not depend on it, not in the last digit either."""
         ...
 
 

@@ -192,17 +192,18 @@ class FemEngine:
         Relative error of U_T that is aimed at.
     """
 
+    keeps = False
+
     def __init__(self, material: Material, loading: Loading, tolerance: float) -> None:
         """Nothing is solved yet."""
         self.material, self.loading = material, loading
         self.fineness = next(fineness for error, fineness in FINENESS if tolerance >= error)
-        self.nodes = 0
         self._curves: list[Ring] = []
 
     @property
     def described(self) -> dict[str, object]:
         """What it is, as attributes of a result."""
-        return {"engine": "fem", "fineness": self.fineness, "nodes": self.nodes, "contact": "none"}
+        return {"engine": "fem", "fineness": self.fineness, "contact": "none"}
 
     def solve(self, part: Part, ahead: Sequence[Array] = ()) -> FemState:
         """The part with its cracks; where tips will stand later does not matter.
@@ -215,9 +216,4 @@ class FemEngine:
             When the mesher fails with other sizes, too.
         """
         self._curves = self._curves or rings(part)
-        state = FemState(part, self.material, self.loading, self.fineness, self._curves)
-        self.nodes = max(self.nodes, len(state.model.points))
-        return state
-
-    def begin_anew(self) -> None:
-        """Nothing is kept from one solution to the next."""
+        return FemState(part, self.material, self.loading, self.fineness, self._curves)

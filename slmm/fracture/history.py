@@ -100,11 +100,6 @@ class Step:
         return self.event.kind
 
     @property
-    def meets_surface(self) -> bool:
-        """Whether its crack has begun at or ended on something."""
-        return self.kind is Kind.START or bool(self.arrested_by)
-
-    @property
     def K(self) -> tuple[float, float]:
         """K_I and K_II at the critical load, MPa sqrt(mm); NaN of a start."""
         K_I, K_II = self.event.K

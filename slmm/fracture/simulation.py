@@ -24,7 +24,6 @@ from slmm.fracture.journal import end_of, history_of, record_of, run_of, step_of
 from slmm.fracture.lengths import Lengths, lengths_of
 from slmm.fracture.work_conjugate import work_conjugate
 from slmm.mechanics.material import Material
-from slmm.part.part import Part
 from slmm.running.blas import one_blas_thread
 from slmm.running.line_journal import LineJournal, open_lines
 from slmm.running.progress import Progress, silent
@@ -142,15 +141,16 @@ def simulate(
         "look_ahead": lengths.ahead,
         "initiation": initiation,
         "direction": direction,
+        "engine": engine,
         "tolerance": tolerance,
-        **solver.described,
     }
     largest = largest_displacement or math.inf
     simulation = Simulation(scene, solver, DIRECTIONS[direction], lengths, largest, errors)
     run = run_of(scene, {**settings, "largest_displacement": largest_displacement, "errors": errors})
     with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
         simulation.run(progress, opened)
-    return fracture_result(scene, simulation.part, simulation.history, settings, simulation.reached)
+    made_with = {**settings, **solver.described}
+    return fracture_result(scene, simulation.part, simulation.history, made_with, simulation.reached)
 
 
 class Simulation:
@@ -166,7 +166,13 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene, engine: Engine, direction: Direction, lengths: Lengths, largest: float, errors: bool
+        self,
+        scene: Scene,
+        engine: Engine,
+        direction: Direction,
+        lengths: Lengths,
+        largest: float,
+        errors: bool,
     ) -> None:
         """Nothing happens yet."""
         self.part, self.loading, self.engine = scene.part, scene.loading, engine
@@ -212,10 +218,9 @@ class Simulation:
                 return
 
     def _take_up(self, steps: list[Step], solves: bool) -> None:
-        """Let happen again what happened; for what follows, those are solved of which the engine has kept something."""
-        begins = max((k for k, step in enumerate(steps, 1) if step.meets_surface), default=0)
+        """Let happen again what happened, solved again where the engine keeps something of it for what follows."""
         for k, step in enumerate(steps):
-            if solves and k >= begins:
+            if solves and self.engine.keeps:
                 state = self.engine.solve(self.part, self._ahead())
                 if math.isfinite(step.finer[0]):
                     state.finer(step.event)
@@ -275,8 +280,6 @@ class Simulation:
             self.reached[grown.crack].insert(0 if grown.at_start else len(self.reached[grown.crack]), k)
         self.history.steps.append(step)
         self.part = grown.part
-        if step.meets_surface:  # its panels change there anyway
-            self.engine.begin_anew()
 
     def _candidate(self, event: Event, u: float) -> Candidate:
         """What is in question, where u is the displacement under the scene's own load, mm."""
