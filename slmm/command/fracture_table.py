@@ -12,6 +12,9 @@ from slmm.command.terminal import console, number_text, table_box
 if TYPE_CHECKING:
     import xarray as xr
 
+#: what drops of the force leave out of U_T is told from this share on; chosen
+STEADY = 0.01
+
 
 def print_fracture(result: xr.Dataset) -> None:
     """The runs of each crack, and what came of it all."""
@@ -52,6 +55,21 @@ def print_fracture(result: xr.Dataset) -> None:
         f"Tensile toughness U_T = {float(result.U_T):.5g} mJ{told}; {result.attrs['outcome']}.",
         soft_wrap=True,
     )
+    more = float(result.U_T_integrated - result.U_T)
+    if more > STEADY * float(result.U_T):
+        error = float(result.U_T_integrated_error)
+        told = f" (error ± {error:.2g} mJ)" if error == error else ""
+        out.print(
+            "Cracks grow steadily for a while: with a force that falls steadily, too, U_T = "
+            f"{float(result.U_T_integrated):.5g} mJ{told}.",
+            soft_wrap=True,
+        )
+    if (step := int(result.peak_step)) >= 0:
+        out.print(
+            f"Largest force {float(result.F_peak):.5g} N; if the force is controlled, the part breaks in step "
+            f"{step + 1}.",
+            soft_wrap=True,
+        )
     if count := result.attrs["competing_events"]:
         out.print(
             f"In {count} of {result.sizes['step']} steps another event was within 0.5 % of the load: the path may fork"

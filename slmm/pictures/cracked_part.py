@@ -71,11 +71,11 @@ def draw_open_part(
 
 
 def draw_numbers(axes: Axes, result: xr.Dataset, steps: int) -> None:
-    """Numbers of the cracks in the order in which they move, where they begin to."""
-    for number, k in enumerate(first_steps(result), start=1):
+    """Numbers of the cracks that move, where they begin to."""
+    for k in first_steps(result):
         if k < steps:
             axes.annotate(
-                str(number),
+                str(int(result.tip[k])),
                 _begin(result, k),
                 xytext=(3, 4),
                 textcoords="offset points",

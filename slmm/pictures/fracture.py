@@ -26,7 +26,7 @@ from slmm.scene.scene import Scene
 def plot_fracture(scene: Scene, result: xr.Dataset, magnified: float = 0.0) -> Figure:
     """Crack paths coloured by the step that made them; the force over the displacement; critical displacements.
 
-    In the manner of Figures 6 and 18 of Paper D, the cracks numbered in the order in which they move.
+    In the manner of Figures 6 and 18 of Paper D, the cracks numbered as in the result.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def plot_fracture(scene: Scene, result: xr.Dataset, magnified: float = 0.0) -> F
         else:
             draw_part(part, scene)
             draw_cracks(part, result, steps)
-            part.set_title("cracks, numbered as they move")
+            part.set_title("cracks, by their numbers")
         draw_numbers(part, result, steps)
         colours = ScalarMappable(step_scale(result), STEP_COLOURS)
         figure.colorbar(colours, ax=part, label="step", shrink=0.7, pad=0.02, aspect=35)

@@ -59,16 +59,16 @@ def draw_critical_displacements(axes: Axes, result: xr.Dataset) -> None:
     axes.plot(steps, result.u_load, color="0.45", lw=1.0, ls="--", zorder=1, label="$u$ of the part")
     _draw_numbers(axes, result, steps, result.u_c.values)
     axes.set(xlabel="step", ylabel="critical $u_c$ in mm", title="what was in question in each step")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.12 * float(u_c.max(initial=1e-9)))
     if len(steps):
         axes.legend(loc="best", frameon=False, ncols=2)
 
 
 def _draw_numbers(axes: Axes, result: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
     """Numbers of cracks at their first steps, as in the picture of the part."""
-    for number, k in enumerate(first_steps(result), start=1):
+    for k in first_steps(result):
         axes.annotate(
-            str(number),
+            str(int(result.tip[k])),
             (x[k], y[k]),
             xytext=(4, 4),
             textcoords="offset points",

@@ -1,6 +1,5 @@
 """Simulations that were stopped end as they would have ended, to the bit."""
 
-import numpy as np
 import pytest
 import xarray as xr
 
@@ -58,15 +57,13 @@ def test_what_has_ended_is_read_back_without_a_solve(undisturbed, solves):
     assert not solves
 
 
-def test_solved_again_is_what_came_since_a_crack_last_met_a_surface(undisturbed, solves, tmp_path):
+def test_solved_again_is_what_the_engine_keeps_something_of(undisturbed, solves, tmp_path):
     path, result = undisturbed
     last = result.sizes["step"] - 1
-    start = int(np.flatnonzero(result.event == "start")[-1])
     cut = tmp_path / "cut.jsonl"
     cut.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[: 1 + last]))
     simulate(plate(), INCREMENT, journal=cut, resume=True)
-    assert len(solves) == last - start
-    assert all(len(part.cracks) == 2 for part in solves)
+    assert len(solves) == last + 1
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ def test_cracks_and_curve_are_drawn_and_numbered_alike(one_hole):
     scene, result = one_hole
     drawn = panels(plot_fracture(scene, result))
     for name in ("part", "force", "steps"):
-        assert [text.get_text() for text in drawn[name].texts] == ["1", "2"], name
+        assert [text.get_text() for text in drawn[name].texts] == ["0", "1"], name
     # the initial crack, and every increment
     of_cracks = [line for line in segments(drawn["part"]) if 0.0 < line[0][1] < 80.0]
     assert len(of_cracks) == 1 + result.sizes["step"]
