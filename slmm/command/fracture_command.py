@@ -50,7 +50,13 @@ def fracture(
             help="What solves the part: boundary integrals, or a mesh for every increment.",
         ),
     ] = "boundary",
-    initiation: Annotated[str, typer.Option(help="What starts cracks at surfaces: point.")] = "point",
+    initiation: Annotated[
+        str,
+        typer.Option(
+            metavar="point|slmm+ac|coupled",
+            help="What starts cracks at surfaces: the stress at a distance, crack cells, or trial cracks.",
+        ),
+    ] = "point",
     tolerance: Annotated[
         float, typer.Option(min=1e-6, max=0.5, help="Relative error of U_T that is aimed at.")
     ] = 0.01,

@@ -12,10 +12,8 @@ from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
-from slmm.fracture.directions import Direction
-from slmm.fracture.engine import competing_events, growth_load, slides, unloaded
+from slmm.fracture.engine import Rules, competing_events, growth_load, slides, unloaded
 from slmm.fracture.events import Event, Kind
-from slmm.fracture.initiation_sites import critical_sites
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
 from slmm.part.part import Part
@@ -58,17 +56,17 @@ class BoundaryState:
         """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
         return slides(self.model.stress_intensities(), load, self.model.body.material)
 
-    def events(self, direction: Direction) -> list[Event]:
-        """What may happen next, where it competes with the lowest load; which way tips run on is given."""
+    def events(self, rules: Rules) -> list[Event]:
+        """What may happen next, where it competes with the lowest load."""
         model = self.model
         closed = unloaded(model.part, float(np.abs(model.hoop).max()), NO_OPENING)
         return competing_events(
             model.part,
             model.stress_intensities(),
             closed,
-            lambda least: critical_sites(model, least),
+            lambda load: rules.initiation(model, load),
             model.body.material,
-            direction,
+            rules.direction,
         )
 
     def finer(self, event: Event) -> tuple[float, float]:
@@ -76,8 +74,10 @@ class BoundaryState:
         model, material = self.model.finer, self.model.body.material
         if event.kind is Kind.GROWTH:
             return model.work, growth_load(model.stress_intensities()[event.tip], material)
-        below = event.point + point_distance(material) * event.direction
-        return model.work, material.sigma_c / float(principal_stress(model.stress(below[None]))[0])
+        below = (event.point + point_distance(material) * event.direction)[None]
+        # of the coupled criterion, too, both sides change as the stress does
+        one, other = (float(principal_stress(each.stress(below))[0]) for each in (self.model, model))
+        return model.work, event.load * one / other
 
 
 class BoundaryEngine:

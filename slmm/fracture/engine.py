@@ -3,19 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.boundary.model import BoundaryModel
 from slmm.criteria.griffith import energy_release_rate
 from slmm.fracture.directions import Direction
-from slmm.fracture.events import COMPETING, Event, growths, starts
-from slmm.fracture.surface_peaks import Site
+from slmm.fracture.events import COMPETING, Event, growths
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
 
 Array = NDArray[np.float64]
+
+
+class Rules(NamedTuple):
+    """What decides on events.
+
+    Attributes
+    ----------
+    direction : callable
+        Which way tips run on, see `slmm.fracture.directions`.
+    initiation : callable
+        The cracks that may start, given a model by boundary integrals and the load above which they are of no interest.
+    """
+
+    direction: Direction
+    initiation: Callable[[BoundaryModel, float], list[Event]]
 
 
 class State(Protocol):
@@ -35,8 +50,8 @@ class State(Protocol):
         """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
         ...
 
-    def events(self, direction: Direction) -> list[Event]:
-        """What may happen next, where it competes with the lowest load; which way tips run on is given."""
+    def events(self, rules: Rules) -> list[Event]:
+        """What may happen next, where it competes with the lowest load."""
         ...
 
     def finer(self, event: Event) -> tuple[float, float]:
@@ -88,7 +103,7 @@ def competing_events(
     part: Part,
     K: Array,
     closed: Array,
-    sites: Callable[[float], list[Site]],
+    first_cracks: Callable[[float], list[Event]],
     material: Material,
     direction: Direction,
 ) -> list[Event]:
@@ -101,15 +116,15 @@ def competing_events(
         K_I and K_II of its tips, MPa sqrt(mm).
     closed : ndarray, shape (k,)
         K_I up to which a tip is closed, for all that the model resolves.
-    sites : callable
-        Where cracks may start, given the stress, MPa, below which they are of no interest.
+    first_cracks : callable
+        Cracks that may start, given the load above which they are of no interest.
     material : Material
     direction : callable
         Which way tips run on, see `slmm.fracture.directions`.
     """
     tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material, direction)
     lowest = min((event.load for event in tips), default=np.inf)
-    return tips + starts(sites(material.sigma_c / (lowest * (1 + COMPETING))), material)
+    return tips + first_cracks(lowest * (1 + COMPETING))
 
 
 def unloaded(part: Part, stress: float, share: float) -> Array:

@@ -47,6 +47,10 @@ class Event:
         Which outline it starts at, -1 for a straight outer edge.
     K : (float, float)
         K_I and K_II under the scene's own load, MPa sqrt(mm); NaN of a start.
+    length : float
+        With which a crack starts, mm, by its criterion; 0 where that has none.
+    criterion : str
+        By which it happens.
     """
 
     load: float
@@ -56,6 +60,8 @@ class Event:
     tip: int = -1
     hole: int = -1
     K: tuple[float, float] = field(default=(math.nan, math.nan))
+    length: float = 0.0
+    criterion: str = "griffith"
 
     @property
     def rank(self) -> tuple[bool, bool, int, float, float]:
@@ -90,9 +96,16 @@ def growths(tips: Sequence[Array], K: Array, material: Material, direction: Dire
 
 
 def starts(sites: Iterable[Site], material: Material) -> list[Event]:
-    """Cracks that start at sites, straight into the material."""
+    """Cracks that start at sites, straight into the material, by the point method."""
     return [
-        Event(material.sigma_c / site.stress, Kind.START, site.point, site.inward, hole=site.hole)
+        Event(
+            material.sigma_c / site.stress,
+            Kind.START,
+            site.point,
+            site.inward,
+            hole=site.hole,
+            criterion="point",
+        )
         for site in sites
     ]
 

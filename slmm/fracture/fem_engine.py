@@ -16,9 +16,8 @@ from slmm.boundary.contour import Places
 from slmm.criteria.distances import point_distance
 from slmm.fem.plate_model import PlateModel
 from slmm.fracture.contour_integrals import stress_intensities
-from slmm.fracture.directions import Direction
-from slmm.fracture.engine import competing_events, growth_load, slides, unloaded
-from slmm.fracture.events import Event, Kind
+from slmm.fracture.engine import Rules, competing_events, growth_load, slides, unloaded
+from slmm.fracture.events import Event, Kind, starts
 from slmm.fracture.fem_mesh import clear_radii, crack_mesh
 from slmm.fracture.fem_surface import Ring, rings
 from slmm.fracture.surface_peaks import Sampled, Site, at_corners, at_peaks, held, may_start
@@ -98,20 +97,20 @@ class FemState:
         """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
         return slides(self.K, load, self.material)
 
-    def events(self, direction: Direction) -> list[Event]:
-        """What may happen next, where it competes with the lowest load; which way tips run on is given."""
+    def events(self, rules: Rules) -> list[Event]:
+        """What may happen next, where it competes with the lowest load; cracks start by the point method."""
         largest = max(float(np.abs(each.below).max()) for each in self._sampled)
 
-        def sites(least: float) -> list[Site]:
-            least = max(least, NO_TENSION * largest)
+        def first_cracks(load: float) -> list[Event]:
+            least = max(self.material.sigma_c / load, NO_TENSION * largest)
             places = self._sites(least / ROUGH)
             if not places:
                 return []
             self._at_sites = self._fine_at(places)
-            return self._at_sites._sites(least)
+            return starts(self._at_sites._sites(least), self.material)
 
         closed = unloaded(self.part, largest, NO_OPENING)
-        return competing_events(self.part, self.K, closed, sites, self.material, direction)
+        return competing_events(self.part, self.K, closed, first_cracks, self.material, rules.direction)
 
     def finer(self, event: Event) -> tuple[float, float]:
         """Work and the load of an event on a mesh with elements half as large, for estimates of errors."""

@@ -64,6 +64,12 @@ def fracture_result(
             "u_load": ("step", history.loads, "mm", "displacement at which it happens"),
             "stiffness": ("step", history.stiffnesses[:-1], "N/mm", "stiffness before the step"),
             "event": ("step", np.array([str(s.kind) for s in steps], dtype=str), "1", "what happens"),
+            "criterion": (
+                "step",
+                np.array([s.event.criterion for s in steps], dtype=str),
+                "1",
+                "what decides on it",
+            ),
             "tip": ("step", np.array([s.crack for s in steps], dtype=int), "1", "crack whose tip it is"),
             "x": ("step", ends[:, 0], "mm", "x of the tip after the step"),
             "y": ("step", ends[:, 1], "mm", "y of the tip after the step"),

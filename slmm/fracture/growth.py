@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -71,6 +72,14 @@ class Surroundings:
         others = [shapely.LineString(crack.points) for k, crack in enumerate(cracks.cracks) if k != own]
         return min(float(shapely.distance(line, at)) for line in (self._surface, *others))
 
+    def way(self, start: Array, direction: Array, cracks: Sequence[Array]) -> float:
+        """Distance from a point (2,) to the next surface or crack in a direction (2,), mm."""
+        begins = BEGINS * self.part.tolerance
+        return min(
+            float(distances_along(start[None], direction[None], lines, beyond=begins)[0])
+            for lines in (self._lines, Lines.of(cracks))
+        )
+
     def increment(
         self, cracks: Part, start: Array, direction: Array, length: float, ahead: float, own: int = -1
     ) -> Increment:
@@ -88,11 +97,7 @@ class Surroundings:
             The crack that grows, which does not run into itself; -1 for a new one.
         """
         others = [crack.points for k, crack in enumerate(cracks.cracks) if k != own]
-        begins = BEGINS * self.part.tolerance
-        way = min(
-            float(distances_along(start[None], direction[None], lines, beyond=begins)[0])
-            for lines in (self._lines, Lines.of(others))
-        )
+        way = self.way(start, direction, others)
         if way <= length + ahead:
             return Increment(start + way * direction, True)
         end = start + length * direction

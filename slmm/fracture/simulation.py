@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.fracture.boundary_engine import BoundaryEngine
-from slmm.fracture.directions import DIRECTIONS, Direction
-from slmm.fracture.engine import Engine
+from slmm.fracture.directions import DIRECTIONS
+from slmm.fracture.engine import Engine, Rules
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.fem_engine import FemEngine
+from slmm.fracture.first_cracks import INITIATIONS
 from slmm.fracture.fracture_result import fracture_result
 from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
 from slmm.fracture.growth import LOOK_AHEAD, Surroundings
@@ -43,7 +44,6 @@ ENGINES: dict[str, Callable[[Material, Loading, float], Engine]] = {
     "boundary": BoundaryEngine,
     "fem": FemEngine,
 }
-INITIATIONS = ("point",)
 
 
 def simulate(
@@ -64,8 +64,8 @@ def simulate(
     """Fracture of a part under a load that grows until it breaks: cracks, the curve F(u), and the tensile toughness.
 
     One event after the other: the tip or the free surface with the lowest critical load. Tips grow where G reaches G_c,
-    in the direction that a criterion finds; cracks start where the principal stress reaches the strength at
-    the point method's distance below a surface. Cracks end on what they run into, and are arrested there. The force
+    in the direction that a criterion finds; cracks start where a criterion of initiation is met first, as by
+    the point method, whose principal stress is that at a distance below a surface. Cracks end on what they run into, and are arrested there. The force
     drops at constant displacement, and the displacement never falls (Paper D, section 2.2.3).
 
     Parameters
@@ -75,7 +75,9 @@ def simulate(
     increment : float or "auto"
         Length of an increment, mm; "auto" begins with 1/40 of the part's shorter side, becomes shorter where the path
         bends, and longer where it is straight, far from surfaces, and the curve falls.
-    initiation : {"point"}
+    initiation : {"point", "coupled", "slmm+ac"}
+        What starts cracks at surfaces: the point method, the coupled criterion by trial cracks, or the same by crack
+        cells of the database where one fits, in plates under [load]. The last two know how long the crack is then.
     engine : {"boundary", "fem"}
         What solves the part: boundary integrals, or finite elements on a mesh of their own for every increment, which
         take some twenty times as long and do not hold faces of cracks apart.
@@ -85,7 +87,7 @@ def simulate(
         Which way cracks grow: largest tangential stress, largest energy release rate, no mode II, or along the vector
         J.
     first_length : float, optional
-        Of a crack that starts, mm; an increment if not given.
+        Of a crack that starts, mm, where its criterion does not say it; an increment if not given.
     largest_displacement : float, optional
         Where to stop, mm.
     errors : bool
@@ -126,6 +128,10 @@ def simulate(
         raise ValueError(f"initiation = {initiation!r}: must be one of {', '.join(INITIATIONS)}")
     if engine not in ENGINES:
         raise ValueError(f"engine = {engine!r}: must be one of {', '.join(ENGINES)}")
+    if engine == "fem" and initiation != "point":
+        raise ValueError(
+            f"initiation = {initiation!r}: engine fem knows 'point' alone; take the engine 'boundary' for it"
+        )
     if direction not in DIRECTIONS:
         raise ValueError(f"direction = {direction!r}: must be one of {', '.join(DIRECTIONS)}")
     for name, value in (("tolerance", tolerance), ("largest_displacement", largest_displacement)):
@@ -145,7 +151,8 @@ def simulate(
         "tolerance": tolerance,
     }
     largest = largest_displacement or math.inf
-    simulation = Simulation(scene, solver, DIRECTIONS[direction], lengths, largest, errors)
+    rules = Rules(DIRECTIONS[direction], INITIATIONS[initiation](scene))
+    simulation = Simulation(scene, solver, rules, lengths, largest, errors)
     run = run_of(scene, {**settings, "largest_displacement": largest_displacement, "errors": errors})
     with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
         simulation.run(progress, opened)
@@ -169,7 +176,7 @@ class Simulation:
         self,
         scene: Scene,
         engine: Engine,
-        direction: Direction,
+        rules: Rules,
         lengths: Lengths,
         largest: float,
         errors: bool,
@@ -177,7 +184,7 @@ class Simulation:
         """Nothing happens yet."""
         self.part, self.loading, self.engine = scene.part, scene.loading, engine
         self.conjugate = work_conjugate(self.loading, self.part.thickness)
-        self.direction, self.lengths, self.largest, self.errors = direction, lengths, largest, errors
+        self.rules, self.lengths, self.largest, self.errors = rules, lengths, largest, errors
         self.surroundings = Surroundings(self.part)
         self.history = History()
         self.reached = [[-1] * len(crack.points) for crack in self.part.cracks]
@@ -239,7 +246,7 @@ class Simulation:
         state = self.engine.solve(self.part, self._ahead())
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
-        events = state.events(self.direction)
+        events = state.events(self.rules)
         if not events:
             history.slides = state.slides_before(self.largest / u)
             return Outcome.NO_EVENT
@@ -304,7 +311,7 @@ class Simulation:
         return found
 
     def _grown(self, event: Event, u_c: float) -> GrownPart:
-        length = self._length(event, u_c) if event.kind is Kind.GROWTH else self.lengths.first
+        length = self._length(event, u_c) if event.kind is Kind.GROWTH else event.length or self.lengths.first
         return grown_part(self.part, event, self.surroundings, length, self.lengths.ahead)
 
     def _length(self, event: Event, u_c: float) -> float:

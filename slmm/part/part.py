@@ -188,6 +188,16 @@ class Part:
         """
         return self.with_cracks([points])
 
+    def with_short_crack(self, mouth: Array, tip: Array) -> Part:
+        """The part with a crack from a point (2,) of its surface to a tip (2,) inside, mm, however near to each other.
+
+        Nothing is checked but that the mouth lies on a surface.
+        """
+        end = self.end_at(mouth)
+        if end == TIP:
+            raise ValueError(f"mouth = {np.asarray(mouth).tolist()}: must lie on a surface of the part")
+        return self._with((*self.cracks, Crack(np.array([mouth, tip]), start=end)))
+
     def grown(self, tip: int, points: ArrayLike) -> Part:
         """The part with one of its cracks longer.
 
@@ -226,6 +236,9 @@ class Part:
         """The part with these cracks alone."""
         points = [np.asarray(line, dtype=float) for line in lines]
         outer = shapely.LinearRing(self.outer)
-        cracked = replace(self, cracks=located(points, self.body, outer, self.outlines, self.tolerance))
+        return self._with(located(points, self.body, outer, self.outlines, self.tolerance))
+
+    def _with(self, cracks: tuple[Crack, ...]) -> Part:
+        cracked = replace(self, cracks=cracks)
         cracked.__dict__["body"] = self.body  # cracks leave it as it is
         return cracked
