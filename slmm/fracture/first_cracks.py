@@ -38,7 +38,7 @@ IN_LIGAMENT = 0.8
 #: lengths, over the longest, at which both criteria are compared; the stress falls near the surface; chosen
 COMPARED = (np.arange(60) + 1.0) ** 2 / 60.0**2
 #: a cell knows nothing of cracks that are nearer than so many of its heights; chosen
-BESIDE_CRACK = 3.0
+BESIDE_CRACK = 1.5
 
 
 def point_method(model: BoundaryModel, load: float) -> list[Event]:

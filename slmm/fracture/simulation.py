@@ -64,9 +64,10 @@ def simulate(
     """Fracture of a part under a load that grows until it breaks: cracks, the curve F(u), and the tensile toughness.
 
     One event after the other: the tip or the free surface with the lowest critical load. Tips grow where G reaches G_c,
-    in the direction that a criterion finds; cracks start where a criterion of initiation is met first, as by
-    the point method, whose principal stress is that at a distance below a surface. Cracks end on what they run into, and are arrested there. The force
-    drops at constant displacement, and the displacement never falls (Paper D, section 2.2.3).
+    in the direction that a criterion finds; cracks start where a criterion of initiation is met first: by the point
+    method where the principal stress at a distance below a surface reaches the strength. Cracks end on what they run
+    into, and are arrested there. The force drops at constant displacement, and the displacement never falls (Paper D,
+    section 2.2.3).
 
     Parameters
     ----------
