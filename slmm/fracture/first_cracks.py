@@ -28,8 +28,8 @@ from slmm.scene.scene import Scene
 Array = NDArray[np.float64]
 Initiation = Callable[[BoundaryModel, float], list[Event]]
 
-#: sites are asked whose stress at the point method's depth is so many times less than it would have to be; by the coupled
-#: criterion blunt notches crack at a load up to that much lower; chosen
+#: sites are asked whose stress at the point method's depth is so many times what that would need: by the coupled
+#: criterion they may crack at a load that much lower; chosen
 LESS_STRESS = 0.7
 #: trial cracks over Irwin's length, and how much longer a second set of them is; chosen
 IN_IRWIN_LENGTHS, LONGER = 1.5, 4.0
