@@ -31,7 +31,7 @@ def draw_force(axes: Axes, result: xr.Dataset) -> None:
     axes.set(xlabel="displacement u in mm", ylabel="force F in N", ylim=(0, 1.45 * highest))
     axes.set_xlim(left=0)
     axes.legend(loc="upper left", frameon=False, ncols=2)
-    axes.set_title(f"tensile toughness $U_T$ = {toughness_text(result)} mJ, the area below F(u)")
+    axes.set_title(f"toughness $U_T$ = {toughness_text(result)} mJ, the area below F(u)")
 
 
 def _draw_path(axes: Axes, result: xr.Dataset) -> None:
@@ -80,4 +80,4 @@ def _draw_numbers(axes: Axes, result: xr.Dataset, x: np.ndarray, y: np.ndarray) 
 def toughness_text(result: xr.Dataset) -> str:
     """U_T with its error, where that is known."""
     error = float(result.U_T_error)
-    return f"{float(result.U_T):.5g}" + (f" ± {error:.1g}" if np.isfinite(error) else "")
+    return f"{float(result.U_T):.5g}" + (f" ± {float(f'{error:.1g}'):g}" if np.isfinite(error) else "")
