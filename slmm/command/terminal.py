@@ -28,6 +28,8 @@ PICTURE_FORMATS = (".png", ".pdf", ".svg")
 #: rich would draw a frame in its place, and tables would not fit any more
 ASCII_HEAD = Box("    \n    \n -- \n" + 5 * "    \n", ascii=True)
 FILE_WIDTH = 100  # columns where there is no terminal
+#: objects after which Python looks for cycles; imports make a million, and all of them stay (chosen)
+SELDOM = 50_000
 LONGEST_NAME = 255  # bytes; what all common file systems take
 
 
@@ -38,6 +40,9 @@ class Application(typer.Typer):
         """Run the command that the arguments name."""
         replace_what_cannot_be_encoded(sys.stdout)
         replace_what_cannot_be_encoded(sys.stderr)
+        # read when numpy comes: on matrices as small as ours more threads only wait for each other
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        gc.set_threshold(SELDOM)
         try:
             return super().__call__(*arguments, **options)
         finally:
