@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from slmm.pictures.cracked_part import first_steps
 from slmm.pictures.style import CRITICAL, PALETTE
@@ -60,6 +61,7 @@ def draw_critical_displacements(axes: Axes, result: xr.Dataset) -> None:
     _draw_numbers(axes, result, steps, result.u_c.values)
     axes.set(xlabel="step", ylabel="critical $u_c$ in mm", title="what was in question in each step")
     axes.set_ylim(0, 1.12 * float(u_c.max(initial=1e-9)))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if len(steps):
         axes.legend(loc="best", frameon=False, ncols=2)
 
