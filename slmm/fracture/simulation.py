@@ -105,8 +105,10 @@ def simulate(
     Dataset
         Over ``corner``: ``u`` (mm) and ``F`` (N), corner points of the curve; over ``step``: ``u_c``, ``u_load``,
         ``stiffness`` before the step, ``event``, ``tip`` (of which crack), ``x``, ``y`` where it stands after it,
-        ``arrested_by``, ``K_I``, ``K_II``, ``released``, ``dissipated``, ``gap`` and more; ``U_T``, ``U_T_error`` in
-        mJ; crack paths over ``crack`` and ``point``; ``outcome`` among the attributes.
+        ``arrested_by``, ``K_I``, ``K_II``, ``released``, ``dissipated``, ``gap`` and more; over ``candidate`` what was
+        in question in each step; over ``state`` the equilibrium path; ``U_T``, ``U_T_error`` in mJ, and
+        ``U_T_integrated``, in which the force falls steadily where cracks grow so; crack paths over ``crack`` and
+        ``point``; ``outcome`` among the attributes.
 
     Raises
     ------

@@ -70,19 +70,25 @@ def draw_open_part(
     _set_limits(axes, scene, magnified * float(result.u.max()))
 
 
-def draw_numbers(axes: Axes, result: xr.Dataset, steps: int) -> None:
-    """Numbers of the cracks that move, where they begin to."""
+def draw_numbers(
+    axes: Axes, result: xr.Dataset, state: CriticalState | None = None, magnified: float = 0.0
+) -> None:
+    """Numbers of the cracks that move, where they begin to; in an open part between their faces."""
     for k in first_steps(result):
-        if k < steps:
-            axes.annotate(
-                str(int(result.tip[k])),
-                _begin(result, k),
-                xytext=(3, 4),
-                textcoords="offset points",
-                color=CRITICAL,
-                weight="bold",
-                zorder=6,
-            )
+        crack, at = int(result.tip[k]), np.array(_begin(result, k))
+        if state is not None and crack < len(state.faces):
+            faces = state.faces[crack]
+            near = np.linalg.norm(faces.points - at, axis=1).argmin()
+            at = at + magnified * 0.5 * (faces.left + faces.right)[near]
+        axes.annotate(
+            str(crack),
+            tuple(at),
+            xytext=(3, 4),
+            textcoords="offset points",
+            color=CRITICAL,
+            weight="bold",
+            zorder=6,
+        )
 
 
 def first_steps(result: xr.Dataset) -> list[int]:

@@ -8,6 +8,7 @@ import matplotlib
 import xarray as xr
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from slmm.fracture.critical_state import critical_state, number_of_states
 from slmm.pictures.cracked_part import (
@@ -52,19 +53,20 @@ def plot_fracture(scene: Scene, result: xr.Dataset, magnified: float = 0.0) -> F
         figure = Figure(figsize=(12.5, 6.6), layout="constrained")
         axes = figure.subplot_mosaic([["part", "force"], ["part", "steps"]], width_ratios=(1.0, 1.05))
         part = axes["part"]
-        steps = result.sizes["step"]
         if magnified and number_of_states(result):
             last = number_of_states(result) - 1
             state = critical_state(scene, result, last)
             draw_open_part(part, scene, result, state, magnified)
+            draw_numbers(part, result, state, magnified)
             part.set_title(f"at u = {state.u:.3g} mm, displacements {magnified:g} times as large")
         else:
             draw_part(part, scene)
-            draw_cracks(part, result, steps)
+            draw_cracks(part, result, result.sizes["step"])
+            draw_numbers(part, result)
             part.set_title("cracks, by their numbers")
-        draw_numbers(part, result, steps)
         colours = ScalarMappable(step_scale(result), STEP_COLOURS)
-        figure.colorbar(colours, ax=part, label="step", shrink=0.7, pad=0.02, aspect=35)
+        whole = MaxNLocator(integer=True)
+        figure.colorbar(colours, ax=part, label="step", shrink=0.7, pad=0.02, aspect=35, ticks=whole)
         draw_force(axes["force"], result)
         draw_critical_displacements(axes["steps"], result)
         figure.suptitle(scene.title or "Fracture", parse_math=False)

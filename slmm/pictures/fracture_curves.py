@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from slmm.pictures.cracked_part import first_steps
 from slmm.pictures.style import CRITICAL, PALETTE
@@ -31,7 +32,7 @@ def draw_force(axes: Axes, result: xr.Dataset) -> None:
     axes.set(xlabel="displacement u in mm", ylabel="force F in N", ylim=(0, 1.45 * highest))
     axes.set_xlim(left=0)
     axes.legend(loc="upper left", frameon=False, ncols=2)
-    axes.set_title(f"tensile toughness $U_T$ = {toughness_text(result)} mJ, the area below F(u)")
+    axes.set_title(f"toughness $U_T$ = {toughness_text(result)} mJ, the area below F(u)")
 
 
 def _draw_path(axes: Axes, result: xr.Dataset) -> None:
@@ -60,6 +61,7 @@ def draw_critical_displacements(axes: Axes, result: xr.Dataset) -> None:
     _draw_numbers(axes, result, steps, result.u_c.values)
     axes.set(xlabel="step", ylabel="critical $u_c$ in mm", title="what was in question in each step")
     axes.set_ylim(0, 1.12 * float(u_c.max(initial=1e-9)))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if len(steps):
         axes.legend(loc="best", frameon=False, ncols=2)
 
@@ -80,4 +82,4 @@ def _draw_numbers(axes: Axes, result: xr.Dataset, x: np.ndarray, y: np.ndarray) 
 def toughness_text(result: xr.Dataset) -> str:
     """U_T with its error, where that is known."""
     error = float(result.U_T_error)
-    return f"{float(result.U_T):.5g}" + (f" ± {error:.1g}" if np.isfinite(error) else "")
+    return f"{float(result.U_T):.5g}" + (f" ± {float(f'{error:.1g}'):g}" if np.isfinite(error) else "")

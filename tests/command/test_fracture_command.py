@@ -7,6 +7,8 @@ import pytest
 import xarray as xr
 from command_line import refused, run
 
+from slmm.fracture.boundary_engine import BoundaryEngine
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
@@ -111,6 +113,25 @@ def test_a_stopped_simulation_is_resumed_to_the_same_result(plate, tmp_path):
     assert refused(run("fracture", plate, "--resume"), "--resume: needs -o")
     other = ["fracture", plate, "--increment", 4, "-o", output, "--resume"]
     assert refused(run(*other), "another run, with increment = 8.0", "this one has increment = 4.0")
+
+
+def test_an_interrupted_simulation_says_how_it_goes_on(plate, tmp_path, monkeypatch):
+    solve, solved = BoundaryEngine.solve, []
+
+    def interrupted(self, part, ahead=()):
+        solved.append(part)
+        if len(solved) == 4:
+            raise KeyboardInterrupt
+        return solve(self, part, ahead)
+
+    monkeypatch.setattr(BoundaryEngine, "solve", interrupted)
+    output = tmp_path / "result.nc"
+    result = run("fracture", plate, "--increment", 8, "-o", output)
+    assert result.exit_code != 0
+    told = " ".join(result.stderr.split())
+    assert "stopped; with --resume it goes on with what is in" in told and "result.jsonl" in told
+    assert not output.exists()
+    assert (tmp_path / "result.jsonl").read_bytes().count(b"\n") == 4
 
 
 def test_the_largest_displacement_is_said(plate):

@@ -1,12 +1,13 @@
 """Journals of lines: numbers come back to the bit, cut lines are dropped, damage and other runs are told."""
 
+import errno
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from slmm.running.line_journal import open_lines
+from slmm.running.line_journal import LineJournal, open_lines
 from slmm.running.whole_file import NotWrittenError
 
 RUN = {"scene": "plate (12ab)", "increment": 2.0}
@@ -103,3 +104,24 @@ def test_a_journal_in_use_is_refused(written):
     with open_lines(written, RUN, resume=True):
         done = subprocess.run([sys.executable, "-c", other, written], capture_output=True, text=True)
     assert "is in use by another process" in done.stdout
+
+
+class Narrow:
+    """A file that takes three bytes at a time, and so many at all."""
+
+    def __init__(self, room):
+        self.room, self.content = room, b""
+
+    def write(self, data):
+        if len(self.content) >= self.room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.content += bytes(data[:3])
+        return len(data[:3])
+
+
+def test_a_record_is_written_to_its_end_and_a_full_disk_is_told(tmp_path):
+    wide, narrow = Narrow(10**6), Narrow(10)
+    LineJournal(tmp_path / "run.jsonl", wide).add({"u": 0.125})
+    assert wide.content.endswith(b'{"u": 0.125}\n')
+    with pytest.raises(NotWrittenError, match=r"run\.jsonl: cannot be written: No space left"):
+        LineJournal(tmp_path / "run.jsonl", narrow).add({"u": 0.125})
