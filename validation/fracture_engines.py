@@ -60,7 +60,8 @@ def plates() -> Iterator[tuple[str, Scene]]:
 
 
 def specimens() -> Iterator[tuple[str, Scene]]:
-    """Specimens under tractions, supports and pins."""
+    """Specimens under tractions, supports and pins; a hole between whose sides nothing decides."""
+    yield "hole in the middle, no crack", tensile_plate([(40.0, 40.0, 8.0)], cracks=[])
     yield "edge crack", edge_crack()
     yield "sharp V-notch", v_notch()
     bar = {"width": 100.0, "height": 20.0, "thickness": 5.0}

@@ -38,7 +38,7 @@ NO_OPENING = 1e-3
 NO_TENSION = 1e-3
 #: the stress below surfaces may be higher by this factor than a mesh says that is not made for it; and how much smaller
 #: elements are, beside where cracks may start, on one that is: its stress is within 3e-4; both chosen
-ROUGH, AT_SITES = 1.05, 0.35
+ROUGH, AT_SITES = 1.05, 0.15
 #: share of the nodes on cracks whose faces overlap that counts, and the overlap over the largest opening; chosen
 TOUCHING, OVERLAP = 0.02, 1e-3
 

@@ -1,7 +1,7 @@
 """Body-fitted meshes of parts whose cracks grow: fine at tips and at corners, coarse along cracks that are arrested.
 
-A mesh is made anew for every increment, as in Paper D (section 2.1); its tips have elements a tenth as large as what is
-clear around them, for the domains of the interaction integral.
+A mesh is made anew for every increment, as in Paper D (section 2.1). Around tips it is fine enough for an interaction
+integral over all that is clear there, down to a twelfth of that.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ Array = NDArray[np.float64]
 #: of the coarsest meshes that are used: turn of an outline along an edge, rad; elements in what is clear around a tip,
 #: and in the part's shorter side if they were all as small as at a tip; in the depth of the point method at a corner;
 #: all chosen on validation/fracture_engines.py
-TURN, AT_TIP, SMALL, AT_CORNER = 0.12, 12, 800, 24
+TURN, AT_TIP, SMALL, AT_CORNER = 0.12, 12, 2000, 24
+#: elements in a stretch that is held or loaded if all were as small as at its ends, where stresses are singular; chosen
+AT_END = 12
 #: sizes that are tried where the mesher fails, over those that are wanted; chosen
 OTHERS = (1.0, 0.8, 1.25, 0.6)
 #: faces go straight on while their points lie off the tip's direction by less than this share of their distance; chosen
@@ -67,7 +69,7 @@ def crack_mesh(
         scale = fineness * other
         policy = SizePolicy(_largest(part) * scale, TURN * scale, at_tips=np.inf, at_kinks=np.inf)
         try:
-            fine = _fine_at(part, depth, policy, scale, fine_at)
+            fine = _fine_at(part, loading, depth, policy, scale, fine_at)
             return plate_mesh(part, None, policy, fine, loading.ends)
         except MesherError as error:
             why = error
@@ -110,7 +112,12 @@ def _largest(part: Part) -> float:
 
 
 def _fine_at(
-    part: Part, depth: float, policy: SizePolicy, scale: float, more: tuple[Array, Array] | None
+    part: Part,
+    loading: Loading,
+    depth: float,
+    policy: SizePolicy,
+    scale: float,
+    more: tuple[Array, Array] | None,
 ) -> tuple[Array, Array]:
     """Points (n, 2) and the sizes (n,) wanted there, mm."""
     side = float(np.ptp(part.outer, axis=0).min())
@@ -123,6 +130,9 @@ def _fine_at(
         corners = corners[shapely.dwithin(shapely.points(corners), part.body.boundary, part.tolerance)]
         at.append(corners)
         sizes.append(np.full(len(corners), scale * depth / AT_CORNER))
+    for condition in loading:
+        at.append(condition.ends)
+        sizes.append(np.full(len(condition.ends), scale * condition.length / AT_END))
     for points, wanted in (_alongside(part), *([more] if more else [])):
         at.append(points)
         sizes.append(wanted)
