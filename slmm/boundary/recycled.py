@@ -88,7 +88,7 @@ class Recycled:
 
     def _next(self, rest: Array) -> tuple[Array, Array]:
         """Search what is left of a right-hand side: a direction and its image, which are kept."""
-        direction = self._preconditioned(rest)
+        direction = self._preconditioned(rest).copy()
         image = self._image(direction)
         if self.searched >= MOST_KEPT:
             self.searched = 0
