@@ -94,13 +94,29 @@ def at_spread_positions(scene: Scene, count: int) -> Scene:
 
 def save(name: str, rows: Iterable[Mapping[str, object]]) -> None:
     """Write rows with the same keys to results/name.csv."""
+    (RESULTS / f"{name}.csv").unlink(missing_ok=True)
+    append(name, rows)
+
+
+def append(name: str, rows: Iterable[Mapping[str, object]]) -> None:
+    """Write rows with the same keys below those of results/name.csv."""
     rows = list(rows)
     RESULTS.mkdir(exist_ok=True)
-    with open(RESULTS / f"{name}.csv", "w", newline="") as file:
+    with open(RESULTS / f"{name}.csv", "a", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
+        if not file.tell():
+            writer.writeheader()
         for row in rows:
             writer.writerow({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()})
+
+
+def saved(name: str) -> list[dict[str, str]]:
+    """The rows of results/name.csv; none where there is no such file."""
+    path = RESULTS / f"{name}.csv"
+    if not path.exists():
+        return []
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def run(main: Callable[[bool], list[Check]], doc: str | None) -> None:

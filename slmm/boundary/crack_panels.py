@@ -18,9 +18,13 @@ from slmm.part.part import Part
 
 #: last panel before a kink, and the panel at a tip, over the segment's length (chosen on the cases of tests/boundary)
 AT_KINK, AT_TIP = 0.02, 0.4
-#: a panel over its distance from surfaces and next segments, and from others, whose tips make stresses vary most
-#: (chosen likewise)
+#: a panel over its distance from surfaces, and from other cracks, whose tips make stresses vary most (chosen likewise)
 PER_DISTANCE, PER_CRACK = 1.5, 0.75
+#: a crack is near itself where it comes back: where points are apart by less than this share of the way between them
+#: (chosen; of a half circle's ends it is 0.64)
+COMES_BACK = 0.5
+#: samples of a segment of a crack that tell how near it is (chosen)
+SAMPLES = 100
 #: of lengths of segments that are equal but for rounding
 ROUND_OFF = 1e-6
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
@@ -107,10 +111,8 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
     number = 0
     lines = [line[:, 0] + 1j * line[:, 1] for line in part.crack_lines]
     times = Counter(point for z in lines for point in z.tolist())
-    # of each segment, so that one that is folded back is near, too
-    samples = [[_sampled(a, b) for a, b in pairwise(z)] for z in lines]
+    near = _Near.of(around, lines)
     for c, (crack, z) in enumerate(zip(part.cracks, lines, strict=True)):
-        others = [piece for k, own in enumerate(samples) if k != c for piece in own]
         at_start = at_end = -1
         if crack.start == TIP:
             at_start, number = number, number + 1
@@ -124,20 +126,17 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
         turn = np.abs(np.angle(step[1:] / step[:-1]))
         alone = np.array([times[point] == 1 for point in z[1:-1].tolist()], dtype=bool)
         grade = np.select([~alone | (turn > SHARP), turn > MILD], [AT_SHARP, AT_KINK], 1.0)
+        is_clear = near.is_clear(c)
         for k, (a, b) in enumerate(pairwise(z)):
             first_tip, last_tip = (at_start if k == 0 else -1), (at_end if k == last else -1)
             ends = (
                 shortest / length[k] if k == 0 else grade[k - 1] * min(1.0, length[k - 1] / length[k]),
                 shortest / length[k] if k == last else grade[k] * min(1.0, length[k + 1] / length[k]),
             )
-            if max(first_tip, last_tip) < 0 and min(ends) > 1.0 - ROUND_OFF:
+            if max(first_tip, last_tip) < 0 and min(ends) > 1.0 - ROUND_OFF and is_clear[k]:
                 found.append((a, b, -1))
-                continue
-            # the next segments have their kink in common, whose grade takes care
-            next_to = [piece for i, piece in enumerate(samples[c]) if abs(i - k) == 1]
-            apart = others + [piece for i, piece in enumerate(samples[c]) if abs(i - k) > 1]
-            near = _Near(np.concatenate([around, *next_to]), np.array(apart, dtype=complex).ravel())
-            found += _segment(a, b, first_tip, last_tip, ends, near)
+            else:
+                found += _segment(a, b, first_tip, last_tip, ends, near.to(c, k))
     starts, ends_of = (np.array([f[i] for f in found], dtype=complex) for i in (0, 1))
     tip = np.array([f[2] for f in found], dtype=int)
     x, _, _ = straight_rule(p)
@@ -152,22 +151,98 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
 
 
 class _Near(NamedTuple):
-    """Samples of what is around a segment: surfaces and the segments next to it, and all others."""
+    """What cracks may come near: surfaces, other cracks, and themselves where they come back.
+
+    Attributes
+    ----------
+    surfaces : ndarray, shape (k,)
+        Samples, mm.
+    starts, ends : ndarray, shape (m,)
+        Of the segments of all cracks, mm.
+    crack : ndarray, shape (m,) of int
+    way : ndarray, shape (m,)
+        Along the crack to where a segment begins, mm.
+    """
+
+    surfaces: Complex
+    starts: Complex
+    ends: Complex
+    crack: NDArray[np.int64]
+    way: Array
+
+    @classmethod
+    def of(cls, surfaces: Complex, lines: Sequence[Complex]) -> _Near:
+        """Of cracks along lines (n,)."""
+        lengths = [np.abs(np.diff(z)) for z in lines]
+        return cls(
+            surfaces,
+            np.concatenate([z[:-1] for z in lines]),
+            np.concatenate([z[1:] for z in lines]),
+            np.repeat(np.arange(len(lines)), [len(length) for length in lengths]),
+            np.concatenate([np.cumsum(length) - length for length in lengths]),
+        )
+
+    def is_clear(self, crack: int) -> NDArray[np.bool_]:
+        """Whether segments (n,) of a crack may be one panel each as far as their distance from all else goes."""
+        own = self.crack == crack
+        size = np.abs(self.ends - self.starts)[own]
+        to_surfaces, to_segments = self._gaps(own)
+        near = (PER_DISTANCE * to_surfaces < size[:, None]).any(axis=1)
+        return ~(near | (PER_CRACK * to_segments < size[:, None]).any(axis=1))
+
+    def _gaps(self, own: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """How far segments (n,) are at least from surfaces and from all segments that are no continuation of theirs."""
+        middle, length = 0.5 * (self.starts + self.ends), np.abs(self.ends - self.starts)
+        z, size = middle[own], length[own, None]
+        apart, halfway = np.abs(z[:, None] - middle), self.way + 0.5 * length
+        same = own & (self.crack == self.crack[own][:, None])
+        goes_on = same & (apart >= COMES_BACK * np.abs(halfway[own][:, None] - halfway))
+        to_segments = np.where(goes_on, np.inf, apart - 0.5 * (size + length))
+        return np.abs(z[:, None] - self.surfaces) - 0.5 * size, to_segments
+
+    def to(self, crack: int, segment: int) -> _NearSegment:
+        """Samples of all that may be near a segment of a crack."""
+        k = np.flatnonzero(self.crack == crack)[segment]
+        alone = np.arange(len(self.crack)) == k
+        (to_surfaces,), (to_segments,) = self._gaps(alone)
+        size = np.abs(self.ends - self.starts)
+        reach = size[k] / min(PER_DISTANCE, PER_CRACK)
+        near = (to_segments < reach) & ~alone
+        share = np.linspace(0.0, 1.0, SAMPLES)
+        z = self.starts[near, None] + share * (self.ends - self.starts)[near, None]
+        way = self.way[near, None] + share * size[near, None]
+        # the way to other cracks is endless
+        way[self.crack[near] != crack] = np.inf
+        return _NearSegment(
+            self.surfaces[to_surfaces < reach], z.ravel(), way.ravel(), self.starts[k], self.way[k]
+        )
+
+
+class _NearSegment(NamedTuple):
+    """Samples of surfaces and of cracks, with the way to them along its own, for a segment.
+
+    That begins at ``start``, after ``begin`` of the way, mm.
+    """
 
     surfaces: Complex
     cracks: Complex
+    way: Array
+    start: complex
+    begin: float
 
     def longest(self, z: Complex) -> float:
-        """How long a panel through points z (k,) may be, mm."""
+        """How long a panel through points z (k,) of the segment may be, mm."""
+        to_cracks = np.abs(z[:, None] - self.cracks)
+        between = np.abs((self.begin + np.abs(z - self.start))[:, None] - self.way)
+        to_cracks[to_cracks >= COMES_BACK * between] = np.inf
         return min(
-            share * float(np.abs(z[:, None] - those).min())
-            for share, those in ((PER_DISTANCE, self.surfaces), (PER_CRACK, self.cracks))
-            if len(those)
+            PER_DISTANCE * float(np.abs(z[:, None] - self.surfaces).min(initial=np.inf)),
+            PER_CRACK * float(to_cracks.min(initial=np.inf)),
         )
 
 
 def _segment(
-    a: complex, b: complex, first_tip: int, last_tip: int, ends: Sequence[float], near: _Near
+    a: complex, b: complex, first_tip: int, last_tip: int, ends: Sequence[float], near: _NearSegment
 ) -> list[tuple[complex, complex, int]]:
     """Panels of a segment from a to b: start, end, and the tip at the end or -1."""
     length = abs(b - a)
@@ -181,12 +256,16 @@ def _segment(
         panels.append((a + high * (b - a), b, last_tip))
     first = ends[0] if first_tip < 0 else low
     last = ends[1] if last_tip < 0 else 1.0 - high
+    # at a mouth the surface itself is near, and where cracks meet the other one: there their grades decide
+    graded = [
+        end for end, tip in zip(ends, (first_tip, last_tip), strict=True) if tip < 0 and end < 1.0 - ROUND_OFF
+    ]
+    least = min(graded, default=AT_KINK)
     todo = [(low, high)] if high > low else []
     while todo:
         u, v = todo.pop()
         z = a + np.linspace(u, v, 5) * (b - a)
-        # at a mouth the surface itself is near
-        allowed = min(max(u, first), max(1.0 - v, last), max(near.longest(z) / length, min(first, last)))
+        allowed = min(max(u, first), max(1.0 - v, last), max(near.longest(z) / length, least))
         if v - u > allowed * (1 + ROUND_OFF):
             todo += [(u, 0.5 * (u + v)), (0.5 * (u + v), v)]
         else:
@@ -194,11 +273,6 @@ def _segment(
     return panels
 
 
-def _tip_share(tip: complex, other: complex, grade: float, near: _Near) -> float:
+def _tip_share(tip: complex, other: complex, grade: float, near: _NearSegment) -> float:
     """Length of the panel at a tip over that of its segment, whose other end needs panels as short as ``grade``."""
     return min(1.0 if grade > 1.0 - ROUND_OFF else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
-
-
-def _sampled(a: complex, b: complex) -> Complex:
-    """Points along a segment."""
-    return a + np.linspace(0.0, 1.0, 100) * (b - a)

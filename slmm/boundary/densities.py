@@ -43,10 +43,8 @@ class Linear(NamedTuple):
         return result.reshape(2 * t, 2 * n)
 
 
-def displacement_of_boundary(
-    panels: Panels, kappa: float, targets: Complex, own: NDArray[np.int64]
-) -> tuple[Linear, Linear]:
-    """W at targets (t,) by the boundary's g, and by its q; ``own`` (t,) are numbers of points, -1 beside them."""
+def weights_of_boundary(panels: Panels, targets: Complex, own: NDArray[np.int64]) -> tuple[Complex, Complex]:
+    """Weights (t, n) of C1 and C3 at targets (t,); ``own`` (t,) are numbers of points, -1 beside them."""
     C1, C3 = boundary_displacement(
         targets,
         own,
@@ -64,6 +62,14 @@ def displacement_of_boundary(
         panels.fine_inverse,
         refinement(panels.p),
     )
+    return C1, C3
+
+
+def displacement_of_boundary(
+    panels: Panels, kappa: float, targets: Complex, own: NDArray[np.int64]
+) -> tuple[Linear, Linear]:
+    """W at targets (t,) by the boundary's g, and by its q; ``own`` as of `weights_of_boundary`."""
+    C1, C3 = weights_of_boundary(panels, targets, own)
     C3 /= TWO_PI_I
     return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, C3), Linear(2 * kappa * C1.real / TWO_PI_I, C3)
 

@@ -107,7 +107,7 @@ def _of_new(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
     """Columns, rows and tractions of panels."""
     z, e = cracks.z, np.repeat(cracks.direction, cracks.p)
     caused = of_cracks(cracks, body.panels.z, np.full(body.panels.n, -1)).displacement(body.kappa).real()
-    columns = la.lu_solve(body.lu, caused, overwrite_b=True, check_finite=False).T
+    columns = body.system.solve(caused).T
     P, Q = stress_of_boundary(body.panels, z)
     by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
     by_jumps = traction_of(*stress_of_jumps(body.begins, z), body.kappa, e)

@@ -23,6 +23,8 @@ from slmm.scene.loading import Condition, Loading
 #: how much higher the order is by which errors are told, and what covers them: 95 % of those of K and of the stress on
 #: random plates are below so many differences (chosen on validation/boundary_errors.py)
 HIGHER, COVERS = 2, 4.0
+#: weights of the boundary at places that are computed at once: 32 MB of each kind (chosen)
+MOST_WEIGHTS = 2_000_000
 #: depth below a surface, over the length of the panel there, from which on kernels keep six digits (chosen)
 BESIDE = 0.01
 
@@ -253,7 +255,7 @@ class BoundaryModel:
         samples = [at_surface(here)]
         for k in (1, 2, 3):
             z = here.foot + k / 3 * BESIDE * length[near] * 1j * here.tangent
-            samples.append(inside(np.column_stack([z.real, z.imag])))
+            samples.append(self._in_turns(np.column_stack([z.real, z.imag]), inside))
         x = 3 * share[near, None]
         weights = (
             -(x - 1) * (x - 2) * (x - 3) / 6,
@@ -262,9 +264,14 @@ class BoundaryModel:
             x * (x - 1) * (x - 2) / 6,
         )
         result = np.empty((len(points), samples[0].shape[1]))
-        result[far] = inside(points[far])
+        result[far] = self._in_turns(points[far], inside)
         result[near] = sum(weight * sample for weight, sample in zip(weights, samples, strict=True))
         return result
+
+    def _in_turns(self, points: Array, inside: Callable[[Array], Array]) -> Array:
+        """A field (k, ...) at points (k, 2), of which so many are taken at once that weights stay small."""
+        turns = -(-len(points) * self.panels.n // MOST_WEIGHTS)
+        return np.concatenate([inside(of) for of in np.array_split(points, max(1, turns))])
 
     def _displacement_inside(self, points: Array) -> Array:
         """Displacements (k, 2) by the kernels."""

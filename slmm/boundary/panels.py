@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from slmm.boundary.rules import Array, Complex, rule
 from slmm.boundary.stretches import Stretch
@@ -16,12 +17,12 @@ from slmm.part.part import Part
 #: panel on an outline over its smallest radius of curvature there, over its distance from other surfaces and from crack
 #: tips, and on straight edges over the part's smaller side (chosen on the cases of tests/boundary)
 PER_RADIUS, PER_DISTANCE, PER_SIDE = 0.8, 1.0, 0.25
-#: points on all panels, at most: the matrix of 6000 takes 1.2 GB and a minute (chosen)
-MOST_POINTS = 6000
+#: points on all panels, at most: beyond, what is kept takes more than 2 GB (chosen)
+MOST_POINTS = 60_000
 
 
 class TooManyPointsError(ValueError):
-    """A part with more outlines than dense matrices can hold."""
+    """A part with more outlines than can be solved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +85,20 @@ class Panels:
         """Number of points."""
         return len(self.z)
 
+    def chosen(self, which: NDArray[np.int64]) -> Panels:
+        """Some of the panels."""
+        panels, points = len(self.ends), self.n
+
+        def of(name: str, values: Array) -> Array:
+            if len(values) == panels:
+                return values[which]
+            return values.reshape(panels, points // panels, *values.shape[1:])[which].reshape(
+                -1, *values.shape[1:]
+            )
+
+        values = {f.name: of(f.name, getattr(self, f.name)) for f in fields(self) if f.name != "p"}
+        return Panels(self.p, **values)
+
 
 def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[complex], p: int) -> Panels:
     """Panels on all contours."""
@@ -92,9 +107,8 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
     parts: list[tuple[Stretch, float, float, int, int]] = []
     number = 0
     for c, stretches in enumerate(contours):
-        others = np.concatenate(
-            [z for k, z in enumerate(sampled) if k != c] + [np.array(tips, dtype=complex)]
-        )
+        longest = PER_SIDE * side + max(stretch.length for stretch in stretches)
+        others = _near(sampled, c, longest / PER_DISTANCE, np.array(tips, dtype=complex))
         for stretch in stretches:
             cuts = _cuts(stretch, others, side)
             parts += [(stretch, a, b, c, number) for a, b in pairwise(cuts)]
@@ -170,12 +184,22 @@ def _samples(stretches: Sequence[Stretch]) -> Complex:
     return np.concatenate([stretch.at(np.linspace(0.0, 1.0, 200))[0] for stretch in stretches])
 
 
+def _near(sampled: Sequence[Complex], number: int, reach: float, tips: Complex) -> Complex:
+    """Tips, and samples of the other curves that may be within reach of one, mm."""
+    own = sampled[number]
+    middle = own.mean()
+    reach += float(np.abs(own - middle).max())
+    others = [z[np.abs(z - middle) < reach] for k, z in enumerate(sampled) if k != number]
+    return np.concatenate([*others, tips])
+
+
 def _cuts(stretch: Stretch, others: Complex, side: float) -> list[float]:
     """Shares of a stretch at which its panels end, halved until each is short enough."""
     length = stretch.length
     a = np.arange(4) / 4 if stretch.closed else np.zeros(1)
     b = a + 1 / len(a)
     done = [np.zeros(1)]
+    tree = cKDTree(np.column_stack([others.real, others.imag])) if len(others) else None
     while len(a):
         share = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, 9)
         z, _, bend = stretch.at(share.ravel())
@@ -183,8 +207,8 @@ def _cuts(stretch: Stretch, others: Complex, side: float) -> list[float]:
         if stretch.outline is not None:
             sharpest = np.abs(bend).reshape(share.shape).max(axis=1)
             allowed = np.minimum(allowed, PER_RADIUS / np.maximum(sharpest, 1e-12))
-        if len(others):
-            nearest = np.abs(z[:, None] - others).min(axis=1).reshape(share.shape).min(axis=1)
+        if tree is not None:
+            nearest = tree.query(np.column_stack([z.real, z.imag]))[0].reshape(share.shape).min(axis=1)
             allowed = np.minimum(allowed, PER_DISTANCE * nearest)
         if not stretch.closed:
             # towards both ends panels become as short as their distance from there

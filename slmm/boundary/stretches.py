@@ -14,12 +14,14 @@ from slmm.part.outline import AT_CORNER, SMALLEST_TURN, Outline
 from slmm.part.outline_splines import curvature_jumps
 from slmm.part.part import Part
 from slmm.scene.loading import Condition, Loading
+from slmm.scene.supports import held_at, is_singular
 
 #: the last panel before a corner that juts out, and one that points into the material, over the length of the side:
 #: solutions are rougher there by turns (chosen on the cases of tests/boundary); of mouths see `MouthGrading`
 JUTTING, REENTRANT = 0.25, 1e-5
-#: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
-CHANGE, HELD = 0.05, 1e-3
+#: the same where tractions change on a straight edge, where a support ends on one, and at a corner between a held side
+#: and a free one: stresses have a jump, grow with r^-1/2, and with r^-0.3 (chosen)
+CHANGE, SUPPORT, HELD = 0.05, 1e-5, 1e-3
 #: points of a curve that tell whether it is straight (chosen), and how far these may lie beside it, over its length
 STRAIGHT_SAMPLES, ROUND_OFF = 7, 1e-13
 
@@ -143,32 +145,18 @@ def _stretches(piece: Piece, part: Part) -> list[Stretch]:
     return found
 
 
-def _acting(stretch: Stretch, loading: Loading) -> list[Condition]:
-    """The conditions on a stretch."""
-    (middle,), *_ = stretch.at(np.array([0.5]))
-    return [condition for condition in loading if condition.on(np.array([[middle.real, middle.imag]]))[0]]
-
-
-def _held(acting: list[Condition]) -> tuple[bool, bool]:
-    """Whether u_x and u_y are prescribed."""
-    return any(c.is_held[0] for c in acting), any(c.is_held[1] for c in acting)
-
-
-def _is_singular(one: tuple[bool, bool], other: tuple[bool, bool], turn: float) -> bool:
-    """Whether stresses grow without bound in a corner that juts out, by what is held on its sides.
-
-    A roller is a mirror at a right angle: what it meets there goes straight on.
-    """
-    square = abs(turn - 0.5 * np.pi) < SMALLEST_TURN
-    return one != other and not (square and 1 in (sum(one), sum(other)))
+def _acting(z: complex, loading: Loading) -> list[Condition]:
+    """The conditions at a point."""
+    return [condition for condition in loading if condition.on(np.array([[z.real, z.imag]]))[0]]
 
 
 def _graded(
     stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float, at_mouth: float
 ) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
-    acting = [_acting(stretch, loading) for stretch in stretches]
-    held = [_held(conditions) for conditions in acting]
+    middles = [stretch.at(np.array([0.5]))[0][0] for stretch in stretches]
+    acting = [_acting(z, loading) for z in middles]
+    held = [held_at(loading, (z.real, z.imag)) for z in middles]
     breaks = np.array(mouths, dtype=complex)
     ends = np.array([0.0, 1.0])
     tangents = [stretch.at(ends)[1] for stretch in stretches]
@@ -176,14 +164,15 @@ def _graded(
     for k, stretch in enumerate(stretches):
         turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
         changes = abs(turn) < SMALLEST_TURN and acting[k] != acting[k - 1]
+        singular = is_singular(held[k - 1], held[k], turn)
         if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
             grade.append(at_mouth)
         elif changes:
-            grade.append(CHANGE)
+            grade.append(SUPPORT if singular else CHANGE)
         elif turn < -SMALLEST_TURN:
             grade.append(REENTRANT)
         else:
-            grade.append(HELD if _is_singular(held[k - 1], held[k], turn) else JUTTING)
+            grade.append(HELD if singular else JUTTING)
     alone = len(stretches) == 1 and stretches[0].outline is not None
     if alone and abs(np.angle(tangents[0][0] / tangents[0][1])) < SMALLEST_TURN and grade[0] == JUTTING:
         return [stretches[0]._replace(closed=True)]

@@ -199,7 +199,12 @@ def _tip(
     outer = points[chain.edges[upper[-1], 0]], points[chain.edges[lower[-1], 1]]
     faces = np.array([outer[0] - ends[0], outer[1] - ends[1]])
     lengths = np.linalg.norm(faces, axis=1)
-    unit = faces / lengths[:, None]
+    unit = np.array(
+        [
+            -_direction(points[chain.edges[upper, :2]], off),
+            _direction(points[chain.edges[lower, :2]], off),
+        ]
+    )
     blunt = []
     k = int(chain.after[last])
     while k != first and k >= 0:
@@ -234,6 +239,22 @@ def _tip(
         chain.edges[lower][:, keep],
         float(clear),
     )
+
+
+def _direction(edges: np.ndarray, off: float) -> np.ndarray:
+    """Unit vector along edges (k, 2, 2) of a face, most of which lie on a line.
+
+    Its last ones may lie behind a kink: a line to its end would be off by as much as faces may bend.
+    """
+    steps = edges[:, 1] - edges[:, 0]
+    length = np.linalg.norm(steps, axis=1)
+    z = steps @ [1, 1j]
+    turn = np.angle(z / z.sum())
+    order = np.argsort(turn)
+    most = turn[order][np.searchsorted(np.cumsum(length[order]), 0.5 * length.sum())]
+    allowed = STRAIGHT_FACES + (off + SIX_DIGITS * np.abs(edges).max()) / length
+    along = steps[np.abs(turn - most) <= allowed].sum(axis=0)
+    return np.asarray(along / np.linalg.norm(along))
 
 
 def _face(

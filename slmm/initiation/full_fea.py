@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import SlitModel
+from slmm.fem.supports import at_supports
 from slmm.initiation.contact import until_closed
 from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress
@@ -163,7 +164,8 @@ def full_fea_curves(
     if size_max is None:
         size_max = float(np.ptp(part.outer, axis=0).min()) / 8
     path = origin + depth[:, None] * along
-    mesh = plate_mesh(part, path, SizePolicy(size_max, angle_max), nodes_at=scene.loading.ends)
+    policy = SizePolicy(size_max, angle_max)
+    mesh = plate_mesh(part, path, policy, at_supports(part, scene.loading, policy), scene.loading.ends)
     # where the tips are among the vertices of the path; a severed ligament has none
     tips = a if end is None else a[:-1]
     last_nodes = cKDTree(mesh.vertices[mesh.path]).query(origin + tips[:, None] * along)[1]

@@ -227,3 +227,33 @@ def test_ahead_of_a_sharp_notch_the_stress_is_symmetric():
     )
     left = [80.0, 0.0] + right * [-1, 1]
     np.testing.assert_allclose(model.stress(right), model.stress(left) * [1, 1, -1], rtol=1e-5, atol=1e-6)
+
+
+def test_ends_of_a_clamped_stretch_do_not_reach_a_crack():
+    """Stresses grow with r^-1/2 there: panels that are not graded to them leave K wrong by their length."""
+    part = Part.plate(100.0, 80.0, cracks=[[(0.0, 40.0), (12.0, 44.0)]])
+    foot = Condition((20.0, 0.0), (60.0, 0.0), (Affine(), Affine()))
+    loading = Loading((foot, Condition((100.0, 30.0), (100.0, 55.0), traction=(1.0, 0.5))))
+    K, fine = (
+        BoundaryModel(part, Material.from_name("PMMA"), loading, *orders).stress_intensities()[0]
+        for orders in ((8, 8), (12, 10))
+    )
+    assert np.abs(K - fine).max() < 2e-5 * np.linalg.norm(fine)
+
+
+def test_a_crack_of_many_segments_past_a_hole_has_panels_as_short_as_its_distance():
+    """Along a quarter circle 0.3 mm off a hole: K converges with the order; far away each segment is one panel."""
+    turn = np.linspace(0.75 * np.pi, 0.25 * np.pi, 21)
+    loading = plate_loading(40.0, 40.0, stress=1.0)
+    K, panels = {}, {}
+    for radius in (6.3, 12.0):
+        line = 20 + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+        part = Part.plate(40.0, 40.0, [Outline.through(circle((20.0, 20.0), 6.0))], [line])
+        for orders in ((8, 4), (8, 8), (12, 12)):
+            model = BoundaryModel(part, STEEL, loading, *orders)
+            K[radius, orders[1]], panels[radius] = model.stress_intensities(), len(model.cracks.starts)
+    assert panels[12.0] <= 20 + 4
+    assert panels[6.3] < 6 * 20
+    off = {p: np.abs(K[6.3, p] - K[6.3, 12]).max() / np.abs(K[6.3, 12]).max() for p in (4, 8)}
+    assert off[8] < 1e-3
+    assert off[8] < off[4] / 4

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from cracked_square import loaded, square, tension
 
+from slmm.fem.mesh import plate_mesh
+from slmm.fem.plate_model import PlateModel
 from slmm.fracture.loading import crack_tip_loading
 from slmm.fracture.tips import find_crack_tips
+from slmm.mechanics.material import Material
+from slmm.part.part import Part
+from slmm.scene.loading import plate_loading
 
 
 def slit_square(n=8, element_type="CPE4", cut=(0, 4), row=4, jitter=0.0):
@@ -220,3 +225,13 @@ def test_holes_and_slots_are_no_cracks():
     """A slot of 1/40 of its length has two straight sides and turns back; its end is no tip."""
     points, cells = uncut(0.5)
     assert find_crack_tips(points, cells) == []
+
+
+def test_behind_a_kink_near_by_the_direction_is_that_of_the_last_segment():
+    """The first nodes behind a kink may pass for straight: they turned the tip by as much as faces may bend."""
+    part = Part.plate(20.0, 20.0, cracks=[[(4.0, 10.0), (9.0, 10.0), (12.0, 11.3)]])
+    loading = plate_loading(20.0, 20.0, stress=1.0)
+    model = PlateModel(plate_mesh(part), Material.from_name("PMMA"), loading)
+    tips = crack_tip_loading(model.results)
+    angle = sorted(tips.angle.values % 360)
+    assert angle == pytest.approx([np.degrees(np.arctan2(1.3, 3.0)), 180.0], abs=1e-6)

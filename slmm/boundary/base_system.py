@@ -1,0 +1,132 @@
+"""What solves the equations of a body without cracks: their factors, or iterations where there are too many."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg as la
+
+from slmm.boundary.densities import parts
+from slmm.boundary.equations import Equations
+from slmm.boundary.far_field import Clusters
+from slmm.boundary.influence import TWO_PI_I
+from slmm.boundary.near_field import near_field
+from slmm.boundary.recycled import Recycled
+from slmm.boundary.rules import Array, Complex
+
+#: points up to which all is factorised, and of a block of the iterative solver's preconditioner, at most (chosen by the
+#: time: both take some seconds)
+MOST_FACTORISED, MOST_IN_BLOCK = 2500, 1000
+#: densities that are known: g, q and its jumps
+Known = tuple[Complex, Complex, Complex]
+
+
+class BaseSystem(Protocol):
+    """Solves for right-hand sides (2 n,) or (2 n, k); ``right`` is that of what is known."""
+
+    right: Array
+
+    def solve(self, right: Array) -> Array:
+        """Solutions of the same shape."""
+
+
+def _hold(equations: Equations, free: Array) -> tuple[Array, Array]:
+    """What the equations add to hold free motions (2 n, k): these, and what of the unknowns feels them (k, 2 n)."""
+    weight = np.repeat(np.abs(equations.panels.dz), 2)
+    return free, (equations.kappa + 1) / weight.sum() * (free * weight[:, None]).T
+
+
+class Factorised:
+    """By the factors of the whole matrix.
+
+    Parameters
+    ----------
+    equations : Equations
+    known : Known
+    free : ndarray, shape (2 n, k)
+        Motions that nothing holds.
+    """
+
+    def __init__(self, equations: Equations, known: Known, free: Array) -> None:
+        """Assemble and factorise."""
+        matrix, (by_g, by_q, by_jumps) = equations.matrix()
+        g, q, jumps = known
+        self.right = -parts(by_g(g) + by_q(q) + by_jumps(jumps))
+        moves, felt = _hold(equations, free)
+        matrix += moves @ felt
+        self._lu = la.lu_factor(matrix, overwrite_a=True)
+
+    def solve(self, right: Array) -> Array:
+        """Solutions of the same shape as right-hand sides (2 n,) or (2 n, k)."""
+        return la.lu_solve(self._lu, right, check_finite=False)
+
+
+class Iterative:
+    """By iterations, preconditioned by the factors of what each closed curve causes at itself.
+
+    Parameters are those of `Factorised`.
+    """
+
+    def __init__(self, equations: Equations, known: Known, free: Array) -> None:
+        """Prepare sums and factors of the blocks."""
+        self._equations = equations
+        panels, p = equations.panels, equations.panels.p
+        self._clusters = Clusters(panels.z, panels.dz)
+        self._near = near_field(panels)
+        self._by_jumps = equations.displacement_by_jumps(panels.z)
+        self._of_held, self._spread = equations.unseen
+        self._moves, self._felt = _hold(equations, free)
+        most = max(1, MOST_IN_BLOCK // p)
+        edges = np.flatnonzero(np.diff(panels.contour, prepend=-1, append=-1))
+        rows = [part for of in np.split(np.arange(len(panels.ends)), edges[1:-1]) for part in _cut(of, most)]
+        self._blocks = [self._block(which) for which in rows]
+        g, q, jumps = known
+        self.right = -parts(self._caused(g, q, jumps))
+        self._system = Recycled(self._image, self._preconditioned)
+
+    def solve(self, right: Array) -> Array:
+        """Solutions of the same shape as right-hand sides (2 n,) or (2 n, k)."""
+        return self._system.solve(right)
+
+    def _caused(self, g: Complex, q: Complex, jumps: Complex) -> Complex:
+        """W less (kappa + 1) g at the points, by densities there."""
+        kappa, h, d = self._equations.kappa, g + q, (self._equations.kappa * q - g).conj()
+        C1, C3 = self._near
+        near = kappa * (C1 @ h) + (C1 @ d).conj() + C3 @ h.conj()
+        far = self._clusters.displacement(h, d, kappa)
+        return (far + near) / TWO_PI_I + self._by_jumps(jumps) - (kappa + 1) * g
+
+    def _image(self, x: Array) -> Array:
+        """The matrix times unknowns (2 n,)."""
+        equations = self._equations
+        held, unit = equations.held, np.array([1, 1j])
+        g = np.where(held, 0.0, x.reshape(-1, 2)) @ unit
+        t = np.where(held, x.reshape(-1, 2), 0.0) @ unit
+        force = t * (1j / (equations.kappa + 1))
+        W = self._caused(g, equations.resultants(force), equations.to_jumps @ force)
+        W += self._of_held(self._spread @ t[equations.held_rows])
+        return parts(W) + self._moves @ (self._felt @ x)
+
+    def _block(self, which: Array) -> tuple[Array, tuple[Array, Array]]:
+        """Numbers of the unknowns of some panels, and the factors of what these cause at themselves."""
+        equations, p = self._equations, self._equations.panels.p
+        points = (which[:, None] * p + np.arange(p)).ravel()
+        unknowns = (2 * points[:, None] + np.arange(2)).ravel()
+        own = Equations(
+            equations.panels.chosen(which), equations.held[points], equations.acted[points], equations.kappa
+        )
+        matrix, _ = own.matrix()
+        matrix += self._moves[unknowns] @ self._felt[:, unknowns]
+        return unknowns, la.lu_factor(matrix, overwrite_a=True)
+
+    def _preconditioned(self, rest: Array) -> Array:
+        result = np.empty_like(rest)
+        for unknowns, lu in self._blocks:
+            result[unknowns] = la.lu_solve(lu, rest[unknowns], check_finite=False)
+        return result
+
+
+def _cut(which: Array, most: int) -> list[Array]:
+    """Panels that follow each other, in as few runs of about the same length as are no longer than the most."""
+    return np.array_split(which, -(-len(which) // most))
