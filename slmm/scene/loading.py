@@ -107,6 +107,13 @@ class Condition:
         s = dx * along[0] + dy * along[1]
         return (np.abs(dx * along[1] - dy * along[0]) < near) & (s > -near) & (s < length + near)
 
+    def points(self, share: Array) -> Array:
+        """Points (n, 2) at shares (n,) of its length, mm."""
+        if self.span is not None:
+            return self.span.points(share)
+        start = np.array(self.start)
+        return start + share[:, None] * (np.array(self.end) - start)
+
     def outward(self, points: Array) -> Array:
         """Unit normals (n, 2) out of the body at points (n, 2) of the stretch."""
         if self.span is not None:
