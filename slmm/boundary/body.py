@@ -55,8 +55,10 @@ class Body:
         Tractions that are given, MPa, their resultants over kappa + 1, and those of the c closed curves.
     lu : tuple
         Of the base system.
-    solution : ndarray, shape (2 n,)
-        Unknowns without cracks.
+    rigid : ndarray, shape (n, m)
+        What the m free motions of rigid bodies on the surface are, each by 1 mm, as part of g.
+    solution : ndarray, shape (2 n + m,)
+        Unknowns without cracks: at the points, and by how much rigid bodies move, mm.
     border : Border
         What panels of cracks do to the base system and feel of it, of the cracks that were seen last.
     """
@@ -80,8 +82,8 @@ class Body:
         self.panels = panelled(
             boundary_of(part, self.mouths, loading, grading.side), part, [*tips_of(part), *ahead], p
         )
-        self.border = Border.none(2 * self.panels.n)
         self._set_conditions()
+        self.border = Border.none(2 * self.panels.n + self.rigid.shape[1])
         self._factorise()
 
     def serves(self, part: Part) -> bool:
@@ -109,6 +111,12 @@ class Body:
                     known[on, i] = component(points[on]) * 2 * self.mu / (self.kappa + 1)
             outward = np.column_stack([panels.tangent.imag, -panels.tangent.real])[on]
             traction[on] += condition.tractions(outward)
+        bodies = [np.zeros((n, 2, 0))]
+        for body in self.loading.stiff:
+            on = np.any([self.of_condition[c] for c in self.loading if c.stiff is body], axis=0)
+            bodies.append(np.where(on[:, None, None], body.motions(points), 0.0))
+        self._motions = np.concatenate(bodies, axis=2)
+        self.rigid = np.einsum("nim,i->nm", self._motions, [1, 1j]) * 2 * self.mu / (self.kappa + 1)
         traction[self.held] = 0.0
         self.known_g = known @ [1, 1j]
         self.known_t = traction @ [1, 1j]
@@ -185,12 +193,17 @@ class Body:
         return displacement_of_jumps(self.kappa, self.begins, size, targets)
 
     def in_unknowns(self, by_g: Linear, by_t: Linear) -> Array:
-        """Real matrix (2 t, 2 n) in the unknowns: displacements at the points or, where these are held, tractions."""
+        """Real matrix (2 t, 2 n + m) in the unknowns: displacements at the points or, where these are held, tractions.
+
+        The last ones are those of rigid bodies.
+        """
         matrix = by_g.real()
         place = np.ravel(2 * self.held_rows[:, None] + np.arange(2))
         which = self.held.ravel()[place]
         matrix[:, place[which]] = by_t.real()[:, which]
-        return matrix
+        if not self.rigid.shape[1]:
+            return matrix
+        return np.concatenate([matrix, *(parts(by_g(rigid))[:, None] for rigid in self.rigid.T)], axis=1)
 
     def _unseen(self) -> Linear:
         """W at all points by what q has on held panels and does not show at any: their P_p.
@@ -226,8 +239,15 @@ class Body:
         self._check_balance(free, weight)
         for mode in free.T:
             matrix += (self.kappa + 1) / weight.sum() * np.outer(mode, mode * weight)
+        rhs = -parts(known)
+        if self.rigid.shape[1]:
+            # the tractions on a rigid body have its resultants
+            rows = np.zeros((self.rigid.shape[1], matrix.shape[1]))
+            rows[:, : 2 * n] = (self._motions.reshape(2 * n, -1) * weight[:, None]).T
+            matrix = np.concatenate([matrix, rows])
+            rhs = np.concatenate([rhs, *(body.resultants for body in self.loading.stiff)])
         self.lu = la.lu_factor(matrix, overwrite_a=True)
-        self.solution = la.lu_solve(self.lu, -parts(known))
+        self.solution = la.lu_solve(self.lu, rhs)
 
     def _check_balance(self, free: Array, weight: Array) -> None:
         """Refuse forces that do work on motions that nothing holds."""

@@ -30,9 +30,9 @@ class Border(NamedTuple):
     ----------
     keys : list of Key
         The panels.
-    columns : ndarray, shape (m, 2 n)
+    columns : ndarray, shape (m, unknowns of the body)
         A^-1 B, transposed.
-    rows : ndarray, shape (m, 2 n)
+    rows : ndarray, shape (m, unknowns of the body)
         R.
     traction : ndarray, shape (m,)
         What the body without cracks causes on them: t + R A^-1 b.
@@ -107,6 +107,8 @@ def _of_new(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
     """Columns, rows and tractions of panels."""
     z, e = cracks.z, np.repeat(cracks.direction, cracks.p)
     caused = of_cracks(cracks, body.panels.z, np.full(body.panels.n, -1)).displacement(body.kappa).real()
+    if body.rigid.shape[1]:  # cracks add nothing to the resultants on rigid bodies
+        caused = np.concatenate([caused, np.zeros((body.rigid.shape[1], caused.shape[1]))])
     columns = la.lu_solve(body.lu, caused, overwrite_b=True, check_finite=False).T
     P, Q = stress_of_boundary(body.panels, z)
     by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
