@@ -23,9 +23,18 @@ Known = tuple[Complex, Complex, Complex]
 
 
 class BaseSystem(Protocol):
-    """Solves for right-hand sides (2 n,) or (2 n, k); ``right`` is that of what is known."""
+    """Solves for right-hand sides (2 n,) or (2 n, k).
+
+    Attributes
+    ----------
+    right : ndarray, shape (2 n,)
+        That of what is known.
+    moved : ndarray, shape (2 n, m)
+        What the equations say by motions of rigid bodies.
+    """
 
     right: Array
+    moved: Array
 
     def solve(self, right: Array) -> Array:
         """Solutions of the same shape."""
@@ -46,13 +55,16 @@ class Factorised:
     known : Known
     free : ndarray, shape (2 n, k)
         Motions that nothing holds.
+    rigid : ndarray, shape (n, m)
+        Those of rigid bodies on the surface, as part of g.
     """
 
-    def __init__(self, equations: Equations, known: Known, free: Array) -> None:
+    def __init__(self, equations: Equations, known: Known, free: Array, rigid: Array) -> None:
         """Assemble and factorise."""
         matrix, (by_g, by_q, by_jumps) = equations.matrix()
         g, q, jumps = known
         self.right = -parts(by_g(g) + by_q(q) + by_jumps(jumps))
+        self.moved = _columns([by_g(motion) for motion in rigid.T], 2 * len(rigid))
         moves, felt = _hold(equations, free)
         matrix += moves @ felt
         self._lu = la.lu_factor(matrix, overwrite_a=True)
@@ -68,7 +80,7 @@ class Iterative:
     Parameters are those of `Factorised`.
     """
 
-    def __init__(self, equations: Equations, known: Known, free: Array) -> None:
+    def __init__(self, equations: Equations, known: Known, free: Array, rigid: Array) -> None:
         """Prepare sums and factors of the blocks."""
         self._equations = equations
         panels, p = equations.panels, equations.panels.p
@@ -83,6 +95,8 @@ class Iterative:
         self._blocks = [self._block(which) for which in rows]
         g, q, jumps = known
         self.right = -parts(self._caused(g, q, jumps))
+        none = np.zeros_like(q), np.zeros_like(jumps)
+        self.moved = _columns([self._caused(motion, *none) for motion in rigid.T], 2 * len(rigid))
         self._system = Recycled(self._image, self._preconditioned)
 
     def solve(self, right: Array) -> Array:
@@ -125,6 +139,39 @@ class Iterative:
         for unknowns, lu in self._blocks:
             result[unknowns] = la.lu_solve(lu, rest[unknowns], check_finite=False)
         return result
+
+
+class WithRigid:
+    """Rigid bodies on the surface in addition: by how much they move is unknown, the resultants on them are not.
+
+    Parameters
+    ----------
+    held : BaseSystem
+        With these bodies at rest.
+    felt : ndarray, shape (m, 2 n)
+        Resultants by the unknowns.
+    resultants : ndarray, shape (m,)
+        N and N mm, for each mm of thickness.
+    """
+
+    def __init__(self, held: BaseSystem, felt: Array, resultants: Array) -> None:
+        """Solve for what each motion causes."""
+        self._held, self._felt = held, felt
+        self.right, self.moved = np.concatenate([held.right, resultants]), held.moved
+        self._caused = held.solve(held.moved)
+        self._lu = la.lu_factor(felt @ self._caused)
+
+    def solve(self, right: Array) -> Array:
+        """Solutions of the same shape as right-hand sides (2 n + m,) or (2 n + m, k)."""
+        n = self._felt.shape[1]
+        at_rest = self._held.solve(right[:n])
+        motion = la.lu_solve(self._lu, self._felt @ at_rest - right[n:], check_finite=False)
+        return np.concatenate([at_rest - self._caused @ motion, motion])
+
+
+def _columns(values: list[Complex], rows: int) -> Array:
+    """Real and imaginary parts (rows, m) of m complex vectors."""
+    return np.array([parts(value) for value in values]).reshape(-1, rows).T
 
 
 def _cut(which: Array, most: int) -> list[Array]:

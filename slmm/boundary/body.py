@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.boundary.base_system import MOST_FACTORISED, BaseSystem, Factorised, Iterative
+from slmm.boundary.base_system import MOST_FACTORISED, BaseSystem, Factorised, Iterative, WithRigid
 from slmm.boundary.densities import parts
 from slmm.boundary.elimination import Border
 from slmm.boundary.equations import Equations
@@ -48,8 +48,10 @@ class Body(Equations):
         Tractions that are given, MPa, their resultants over kappa + 1, and those of the c closed curves.
     system : BaseSystem
         What solves for them.
-    solution : ndarray, shape (2 n,)
-        Unknowns without cracks.
+    rigid : ndarray, shape (n, m)
+        What the m free motions of rigid bodies on the surface are, each by 1 mm, as part of g.
+    solution : ndarray, shape (2 n + m,)
+        Unknowns without cracks: at the points, and by how much rigid bodies move, mm.
     border : Border
         What panels of cracks do to the base system and feel of it, of the cracks that were seen last.
     """
@@ -73,8 +75,8 @@ class Body(Equations):
         self.panels = panelled(
             boundary_of(part, self.mouths, loading, grading.side), part, [*tips_of(part), *ahead], p
         )
-        self.border = Border.none(2 * self.panels.n)
         self._set_conditions()
+        self.border = Border.none(2 * self.panels.n + self.rigid.shape[1])
         self._solve()
 
     def serves(self, part: Part) -> bool:
@@ -102,6 +104,12 @@ class Body(Equations):
                     known[on, i] = component(points[on]) * 2 * self.mu / (self.kappa + 1)
             outward = np.column_stack([panels.tangent.imag, -panels.tangent.real])[on]
             traction[on] += condition.tractions(outward)
+        bodies = [np.zeros((n, 2, 0))]
+        for body in self.loading.stiff:
+            on = np.any([self.of_condition[c] for c in self.loading if c.stiff is body], axis=0)
+            bodies.append(np.where(on[:, None, None], body.motions(points), 0.0))
+        self._motions = np.concatenate(bodies, axis=2)
+        self.rigid = np.einsum("nim,i->nm", self._motions, [1, 1j]) * 2 * self.mu / (self.kappa + 1)
         traction[held] = 0.0
         self.known_g = known @ [1, 1j]
         self.known_t = traction @ [1, 1j]
@@ -118,7 +126,11 @@ class Body(Equations):
         self._check_balance(free, weight)
         known = self.known_g, self.known_q, self.known_jumps
         kind = Factorised if self.panels.n <= MOST_FACTORISED else Iterative
-        self.system: BaseSystem = kind(self, known, free)
+        self.system: BaseSystem = kind(self, known, free, self.rigid)
+        if self.rigid.shape[1]:
+            felt = self._motions.reshape(len(weight), -1) * weight[:, None]
+            resultants = np.concatenate([body.resultants for body in self.loading.stiff])
+            self.system = WithRigid(self.system, felt.T, resultants)
         self.solution = self.system.solve(self.system.right)
 
     def _check_balance(self, free: Array, weight: Array) -> None:

@@ -30,9 +30,9 @@ class Border(NamedTuple):
     ----------
     keys : list of Key
         The panels.
-    columns : ndarray, shape (m, 2 n)
+    columns : ndarray, shape (m, unknowns of the body)
         A^-1 B, transposed.
-    rows : ndarray, shape (m, 2 n)
+    rows : ndarray, shape (m, unknowns of the body)
         R.
     traction : ndarray, shape (m,)
         What the body without cracks causes on them: t + R A^-1 b.
@@ -107,10 +107,12 @@ def _of_new(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
     """Columns, rows and tractions of panels."""
     z, e = cracks.z, np.repeat(cracks.direction, cracks.p)
     caused = of_cracks(cracks, body.panels.z, np.full(body.panels.n, -1)).displacement(body.kappa).real()
-    columns = body.system.solve(caused).T
+    # cracks add nothing to the resultants on rigid bodies
+    columns = body.system.solve(np.pad(caused, ((0, body.rigid.shape[1]), (0, 0)))).T
     P, Q = stress_of_boundary(body.panels, z)
     by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
     by_jumps = traction_of(*stress_of_jumps(body.begins, z), body.kappa, e)
     rows = body.in_unknowns(by_g, body.by_tractions(by_q, by_jumps))
+    rows = np.column_stack([rows, *(parts(by_g(motion)) for motion in body.rigid.T)])
     known = parts(by_g(body.known_g) + by_q(body.known_q) + by_jumps(body.known_jumps))
     return columns, rows, known + rows @ body.solution

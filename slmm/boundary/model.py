@@ -152,8 +152,9 @@ class BoundaryModel:
     def _take(self, solution: Array) -> None:
         """Densities from the unknowns."""
         body = self.body
-        components = solution.reshape(-1, 2)
-        self.g = body.known_g + np.where(body.held, 0.0, components) @ [1, 1j]
+        components = solution[: 2 * self.panels.n].reshape(-1, 2)
+        moved = body.rigid @ solution[2 * self.panels.n :]
+        self.g = body.known_g + moved + np.where(body.held, 0.0, components) @ [1, 1j]
         self.t = body.known_t + np.where(body.held, components, 0.0) @ [1, 1j]
         forces = self.t * 1j / (body.kappa + 1)
         self.q, self.jumps = body.resultants(forces), body.to_jumps @ forces

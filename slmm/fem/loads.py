@@ -12,7 +12,7 @@ from skfem import MeshTri2
 
 from slmm.mechanics.rigid import free_motions
 from slmm.scene.load_checks import UNBALANCED
-from slmm.scene.loading import ON_STRETCH, Condition, Loading
+from slmm.scene.loading import ON_STRETCH, Condition, Loading, Stiff
 
 #: Gauss points on an edge for tractions that vary along it (chosen)
 EDGE_POINTS = 3
@@ -33,6 +33,8 @@ class NodalLoad:
         Prescribed displacements that only fix the rigid motion: they carry no reaction.
     adrift : ndarray of bool, shape (n,)
         Nodes of pieces that nothing holds and the load carries away.
+    bodies : tuple of (Stiff, ndarray of int (k,), ndarray (k, 2))
+        Rigid bodies on the surface, their nodes, and what of their motion is given there, mm.
     """
 
     force: np.ndarray
@@ -40,6 +42,7 @@ class NodalLoad:
     value: np.ndarray
     supports: np.ndarray
     adrift: np.ndarray
+    bodies: tuple[tuple[Stiff, np.ndarray, np.ndarray], ...] = ()
 
 
 def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.ndarray) -> NodalLoad:
@@ -76,6 +79,11 @@ def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.
             force += forces_of(condition, mesh, points, on)
     adrift = np.zeros(len(points), dtype=bool)
     pieces = pieces_of(mesh, closed)
+    bodies = tuple((body, *_body(body, loading, points)) for body in loading.stiff)
+    if bodies and len(pieces) > 1:
+        raise ValueError(
+            f"the cracks sever the part, in {len(pieces)} pieces, and what is stiff on it may be carried away with one"
+        )
     for nodes in pieces:
         free = free_motions(points[nodes], prescribed[nodes])
         if not free.shape[1]:
@@ -92,7 +100,16 @@ def nodal_load(loading: Loading, mesh: MeshTri2, points: np.ndarray, closed: np.
             adrift[nodes] = True
         for node, i in _supports(points, nodes, prescribed, _first_stretch(loading, points[nodes])):
             supports[node, i] = True
-    return NodalLoad(force, prescribed | supports, value, supports, adrift)
+    return NodalLoad(force, prescribed | supports, value, supports, adrift, bodies)
+
+
+def _body(body: Stiff, loading: Loading, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (k,) of the stretches of a rigid body, and what of its motion is given there (k, 2), mm."""
+    stretches = [condition for condition in loading if condition.stiff is body]
+    nodes = np.flatnonzero(np.any([condition.on(points) for condition in stretches], axis=0))
+    x, y = stretches[0].displacement
+    assert x is not None and y is not None
+    return nodes, np.stack([x(points[nodes]), y(points[nodes])], axis=1)
 
 
 def _check_ends(loading: Loading, mesh: MeshTri2) -> None:

@@ -15,6 +15,7 @@ from slmm.fem.loads import nodal_load
 from slmm.fem.mesh import PlateMesh
 from slmm.fem.plane_stiffness import plane_stiffness
 from slmm.fem.recovery import recovered_stress
+from slmm.fem.rigid_bodies import Followers
 from slmm.fem.slit import open_slits
 from slmm.mechanics import triangle
 from slmm.mechanics.crack_line import crack_factor
@@ -51,7 +52,8 @@ class PlateModel:
     triangles : ndarray, shape (m, 6)
         Node numbers, corners first.
     K : sparse array, shape (2 n, 2 n)
-        Stiffness, unsupported; the path's left face has the jumps against its right face as unknowns.
+        Stiffness, unsupported; the path's left face has the jumps against its right face as unknowns, and rigid bodies
+        their motions.
     load : NodalLoad
     u : ndarray, shape (n, 2)
         Displacements, mm.
@@ -83,10 +85,20 @@ class PlateModel:
         )
         self.K = (to_displacements.T @ K @ to_displacements).tocsr() if len(jump) else K
         self.load = nodal_load(loading, self.mesh, self.points, np.column_stack([slit.right, slit.left]))
+        self._prescribed = self.load.prescribed.ravel()
         value = self.load.value.ravel().copy()
         value[jump] = 0.0
         force = to_displacements.T @ self.load.force.ravel()
-        self._solve(force, value, jump)
+        self._of_displacements = self.K
+        if self.load.bodies:
+            bodies = Followers(self.load, self.points, jump)
+            self._prescribed = self._prescribed & ~np.isin(np.arange(2 * n), bodies.masters)
+            force, self.K = bodies.force(self.K, force), bodies.stiffness(self.K)
+            value[bodies.all] = 0.0
+            self._solve(force, value, jump)
+            value = bodies.displacements(value)
+        else:
+            self._solve(force, value, jump)
         self.u = (to_displacements @ value).reshape(-1, 2)
         self.u[self.load.adrift] = np.nan
 
@@ -98,7 +110,9 @@ class PlateModel:
     def reaction(self, condition: Condition) -> np.ndarray:
         """Force (2,) on the part along a stretch that is held or pulled there, N for each mm of thickness."""
         on = condition.on(self.points)
-        force = np.where(self.load.prescribed, (self.K @ self.u.ravel()).reshape(-1, 2), self.load.force)
+        force = np.where(
+            self.load.prescribed, (self._of_displacements @ self.u.ravel()).reshape(-1, 2), self.load.force
+        )
         return force[on].sum(axis=0)
 
     @cached_property
@@ -114,7 +128,7 @@ class PlateModel:
 
     def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
         """Put the free displacements into ``value`` (2 n,), which holds the prescribed ones."""
-        free = np.setdiff1d(np.flatnonzero(~self.load.prescribed.ravel()), jump)
+        free = np.setdiff1d(np.flatnonzero(~self._prescribed), jump)
         self.order = free[nested_dissection(self.K, free)]
         self.factor = factorised(self.K, self.order)
         value[self.order] = self.factor.solve((force - self.K @ value)[self.order])
@@ -184,7 +198,7 @@ class SlitModel(PlateModel):
 
     def _solve(self, force: np.ndarray, value: np.ndarray, jump: np.ndarray) -> None:
         """Solve for the closed path, with one factorisation that also gives the path's stiffness."""
-        free = np.flatnonzero(~self.load.prescribed.ravel())
+        free = np.flatnonzero(~self._prescribed)
         closed = np.setdiff1d(free, jump)
         # a mouth on an edge that is held cannot open
         opens = np.isin(jump, free)

@@ -58,7 +58,13 @@ def work_conjugate(loading: Loading, thickness: float) -> WorkConjugate:
     WorkConjugate(by_displacement=False, value=480.0)
     """
     moved = max((_moved(condition) for condition in loading), default=0.0)
-    force = thickness * max((_force(condition) for condition in loading if condition.is_loaded), default=0.0)
+    forces = [_force(condition) for condition in loading if condition.is_loaded]
+    forces += [float(np.hypot(*stiff.force[:2])) for stiff in loading.stiff]
+    if any(stiff.force[2] for stiff in loading.stiff):
+        raise ValueError(
+            "load: a moment acts on a stiff stretch; fracture is simulated under forces or displacements alone"
+        )
+    force = thickness * max(forces, default=0.0)
     if moved > 0 and force > 0:
         raise ValueError(
             f"load: prescribes displacements (up to {moved:g} mm) and forces (up to {force:g} N) together; fracture is "

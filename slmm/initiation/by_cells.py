@@ -13,18 +13,16 @@ from slmm.fem.triangulation import MesherError
 from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
 from slmm.initiation.local_model import SMALLEST_SIDE, LocalModel, solve_local_model
 from slmm.initiation.meta_model import load_meta_model
+from slmm.initiation.part_voxels import STIFFER_VOID, PartField, solve_part
 from slmm.initiation.placement import STOPPED
 from slmm.initiation.task import Answer, Task
-from slmm.initiation.uncracked import UncrackedField
+from slmm.initiation.uncracked import UncrackedField, WithStress
 from slmm.mechanics.stress import principal
 from slmm.scene.scene import Scene
 
 #: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number; chosen
 VOXELS_PER_RADIUS = 20
 FEWEST_VOXELS, MOST_VOXELS = 250**2, 2000**2
-
-#: stiffness of the coarser model's void over that of the finer one's; chosen
-STIFFER_VOID = 3.0
 
 
 def by_cells(task: Task, auto_control: bool) -> Answer:
@@ -77,12 +75,20 @@ def local_field(task: Task) -> UncrackedField:
 
 
 def by_boundary_integrals(scene: Scene) -> bool:
-    """Whether the local model is that: asked for, or where voxels do not know the conditions."""
+    """Whether the local model is that: asked for, or by itself under conditions that no crack cell knows."""
     asked = scene.analysis.local_model
     return asked == "boundary" or (asked == "auto" and scene.load is None)
 
 
-def voxel_model(task: Task) -> LocalModel:
+def has_own_stress(task: Task) -> bool:
+    """Whether the local model tells stress at surfaces itself; on voxels under [load] crack cells do."""
+    if task.displacements is not None:
+        return isinstance(task.displacements, WithStress)
+    scene = task.scene
+    return scene.load is None or scene.analysis.local_model in ("body-fitted", "boundary")
+
+
+def voxel_model(task: Task) -> LocalModel | PartField:
     """Solve the voxel model, unless one as fine has been solved on the way."""
     voxels = voxel_count(task)
     if "voxels" in task.solved:
@@ -92,6 +98,8 @@ def voxel_model(task: Task) -> LocalModel:
     task.progress(0.0, f"local model, {voxels} voxels")
     scene = task.scene
     void = task.settings.void_stiffness or scene.analysis.void_stiffness
+    if scene.load is None:
+        return solve_part(scene, voxels, void)
     scene = scene.with_(analysis={"void_stiffness": void})
     local = solve_local_model(scene, voxels)
     if task.settings.relaxed == "unbounded":

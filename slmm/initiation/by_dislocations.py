@@ -45,7 +45,9 @@ def by_dislocations(task: Task, coarseness: float = 1.0) -> Answer:
     answer = Answer.empty(task.n, "dislocations")
     answer.status[~task.smooth] = Status.NO_DISLOCATIONS
     rows = np.flatnonzero(task.smooth)
-    if len(rows):
+    if task.scene.loading.stiff:
+        answer.status[rows] = Status.STIFF
+    elif len(rows):
         task.progress(0.0, "body-fitted model")
         try:
             model = body_fitted_model(task.among(rows), coarseness)

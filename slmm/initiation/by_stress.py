@@ -9,7 +9,7 @@ from slmm.criteria.path_curves import PathCurves
 from slmm.criteria.status import Status
 from slmm.criteria.surface import mises_stress
 from slmm.fem.triangulation import MesherError
-from slmm.initiation.by_cells import by_boundary_integrals, local_field, note_reasons, rows_with_cells
+from slmm.initiation.by_cells import has_own_stress, local_field, note_reasons, rows_with_cells
 from slmm.initiation.cells import cell_stress, place_cells, select_modes
 from slmm.initiation.meta_model import load_meta_model
 from slmm.initiation.task import Answer, Task
@@ -51,9 +51,7 @@ def _path_stress(task: Task, answer: Answer, depths: np.ndarray) -> tuple[np.nda
     """Stress across, along, shear (n, 3, k) at depths (k,), and an error (n, k), both MPa."""
     stress = np.full((task.n, 3, len(depths)), np.nan)
     error = np.full((task.n, len(depths)), np.nan)
-    asked = task.scene.analysis.local_model
-    meshed = task.displacements is None and (asked == "body-fitted" or by_boundary_integrals(task.scene))
-    own = meshed or isinstance(task.displacements, WithStress)
+    own = has_own_stress(task)
     rows = np.flatnonzero(task.smooth) if own else rows_with_cells(task, answer)
     if len(rows):
         if not own:

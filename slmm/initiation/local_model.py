@@ -89,7 +89,7 @@ class LocalModel:
 
     def displacement(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacements (n, 2) at points (n, 2), mm."""
-        return _displacements(self.u, self.hx, self.hy, np.ascontiguousarray(points, dtype=float))
+        return displacements_on(self.u, self.hx, self.hy, points)
 
     def resolution(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Size of the voxels at points (n, 2), mm."""
@@ -164,7 +164,7 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
         )
     if scene.plate is None:
         raise ValueError(
-            'analysis.local_model = "voxels": are for plates; take "boundary" or "body-fitted" for a part'
+            "solve_local_model: is for plates under [load]; slmm.initiation.part_voxels.solve_part takes any part"
         )
     width, height = scene.plate.width, scene.plate.height
     nx, ny = grid_size(width, height, voxels)
@@ -216,6 +216,13 @@ def bilinear(u, hx, hy, x, y):
     u_x = a * u[i, j, 0] + b * u[i, j + 1, 0] + c * u[i + 1, j, 0] + d * u[i + 1, j + 1, 0]
     u_y = a * u[i, j, 1] + b * u[i, j + 1, 1] + c * u[i + 1, j, 1] + d * u[i + 1, j + 1, 1]
     return u_x, u_y
+
+
+def displacements_on(
+    u: NDArray[np.float64], hx: float, hy: float, points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Displacements (n, 2) at points (n, 2), mm, of a grid whose lower left corner is the origin, see `bilinear`."""
+    return _displacements(u, hx, hy, np.ascontiguousarray(points, dtype=float))
 
 
 @njit(cache=True)

@@ -11,7 +11,11 @@ HELD = 1e-9
 def rigid_motions(points: np.ndarray) -> np.ndarray:
     """Displacements (n, 2, 3) of points (n, 2), about 1, by motions along x and y and a turn about the middle."""
     middle = points.mean(axis=0)
-    reach = np.abs(points - middle).max()
+    return motions_about(points, middle, np.abs(points - middle).max())
+
+
+def motions_about(points: np.ndarray, middle: np.ndarray, reach: float) -> np.ndarray:
+    """Displacements (n, 2, 3) of points (n, 2) by motions along x and y by 1, and a turn that moves by 1 at a reach."""
     motions = np.zeros((*points.shape, 3))
     motions[:, 0, 0] = motions[:, 1, 1] = 1.0
     motions[:, 0, 2] = (middle[1] - points[:, 1]) / reach
@@ -54,6 +58,10 @@ def free_motions(points: np.ndarray, prescribed: np.ndarray) -> np.ndarray:
     motions = rigid_motions(points)
     if not prescribed.any():
         return motions.reshape(-1, 3)
-    held = motions[prescribed]
+    return motions.reshape(-1, 3) @ unheld(motions[prescribed]).T
+
+
+def unheld(held: np.ndarray) -> np.ndarray:
+    """Combinations (k, 3) of rigid motions in which none of the displacements (n, 3) that are held takes part."""
     _, size, modes = np.linalg.svd(held.T @ held)
-    return motions.reshape(-1, 3) @ modes[size <= HELD * max(size[0], 1.0)].T
+    return np.asarray(modes[size <= HELD * max(size[0], 1.0)])

@@ -97,6 +97,12 @@ class Span:
         s = self.outline.project(points)
         return -self.outline.normals(s)
 
+    @property
+    def corners(self) -> Array:
+        """Shares (k,) of its length at which the outline has corners."""
+        share = ((self.first - self.outline.corners) % self.outline.length) / self.length
+        return share[share < 1]
+
     def square_to(self, direction: Array) -> Array:
         """Points (k, 2) between its ends where the surface runs along a direction (2,)."""
         s = np.linspace(self.first, self.last, SAMPLES)

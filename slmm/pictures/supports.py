@@ -61,11 +61,7 @@ def _along(condition: Condition, apart: float) -> tuple[Array, Array]:
     """Points (n, 2) of a stretch, mm, and the normals (n, 2) out of the body there."""
     n = max(int(condition.length / apart), 1)
     share = (np.arange(n) + 0.5) / n
-    if condition.span is not None:
-        x_y = condition.span.points(share)
-    else:
-        start, end = np.array(condition.start), np.array(condition.end)
-        x_y = start + share[:, None] * (end - start)
+    x_y = condition.points(share)
     return x_y, condition.outward(x_y)
 
 

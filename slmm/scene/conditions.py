@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -10,11 +11,11 @@ import shapely
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
-from slmm.mechanics.rigid import free_motions, names_of
+from slmm.mechanics.rigid import free_motions, motions_about, names_of, unheld
 from slmm.part.part import Part
 from slmm.part.span import Span
 from slmm.scene.load_checks import LEAST, UNBALANCED
-from slmm.scene.loading import Affine, Condition, Loading, Point
+from slmm.scene.loading import Affine, Condition, Loading, Point, Stiff
 from slmm.scene.places import EDGES, HOLE, located
 from slmm.scene.values import Length, Number, PlanePoint, Table, exactly_one
 
@@ -33,7 +34,9 @@ class Boundary(Table):
     ``on`` names an edge of a plate, all of an outer edge ("outer") or a hole ("hole 0"); ``from`` and ``to`` are ends
     of a stretch, counter-clockwise; ``at`` and ``width`` a short stretch about a point. ``displacement`` (mm) holds or
     moves each direction that is not "free"; ``traction`` (MPa), ``pressure`` (MPa, onto the surface), ``force`` (N,
-    spread evenly over the material) and ``pin`` (N, as a pin in a hole pushes) load it.
+    spread evenly over the material) and ``pin`` (N, as a pin in a hole pushes) load it. With ``stiff`` it moves as one
+    body: by the ``force`` through the middle of its material and the ``moment`` about it (N mm, counter-clockwise), or
+    with its middle displaced; it turns freely, unless its ``rotation`` (degrees) is given.
     """
 
     on: str | None = None
@@ -46,6 +49,9 @@ class Boundary(Table):
     pressure: Number | None = None
     force: tuple[Number, Number] | None = None
     pin: tuple[Number, Number] | None = None
+    stiff: Annotated[bool, Field(strict=True)] = False
+    moment: Number | None = None
+    rotation: Number | None = None
 
     @field_validator("on")
     @classmethod
@@ -68,6 +74,15 @@ class Boundary(Table):
         exactly_one(self, ("displacement", "traction", "pressure", "force", "pin"))
         if self.displacement == ("free", "free"):
             raise ValueError('displacement = ["free", "free"]: holds nothing; leave the condition out')
+        if self.stiff and self.force is None and self.displacement is None:
+            raise ValueError(
+                "stiff = true: moves as one body, by a force or with a displacement of its middle; give one"
+            )
+        for name in ("moment", "rotation"):
+            if getattr(self, name) is not None and not self.stiff:
+                raise ValueError(f"{name} = {getattr(self, name):g}: belongs to stiff = true")
+        if self.moment is not None and self.rotation is not None:
+            raise ValueError("moment and rotation contradict each other; give one of them")
         return self
 
 
@@ -112,9 +127,14 @@ def general_loading(tables: tuple[Boundary, ...], part: Part) -> tuple[Loading, 
             if material < LEAST * sum(length for *_, length in within):
                 problems.append(f"{key}: no material there, between the notches; it holds and loads nothing")
                 continue
+            stiff = _stiff(table, within, part) if table.stiff else None
             placed += [
                 _Placed(
-                    key, _condition(table, stretch, points, weights, material, part), line, points, weights
+                    key,
+                    _condition(table, stretch, points, weights, material, part, stiff),
+                    line,
+                    points,
+                    weights,
                 )
                 for stretch, (line, points, weights, _) in zip(stretches, within, strict=True)
                 if weights.sum() > 0
@@ -126,21 +146,28 @@ def general_loading(tables: tuple[Boundary, ...], part: Part) -> tuple[Loading, 
     return Loading(tuple(p.condition for p in placed)), problems
 
 
-def _material(
-    stretch: tuple[Point, Point] | Span, part: Part
-) -> tuple[shapely.Geometry | None, Array, Array, float]:
+class _Material(NamedTuple):
     """What of a stretch is material: as a line if it is straight, points (n, 2), weights (n,), and the whole length."""
+
+    line: shapely.Geometry | None
+    points: Array
+    weights: Array
+    whole: float
+
+
+def _material(stretch: tuple[Point, Point] | Span, part: Part) -> _Material:
+    """What of a stretch is material."""
     if isinstance(stretch, Span):
         points, _, weights = stretch.rule
         near = shapely.dwithin(part.body, shapely.points(points), 10 * part.tolerance)
-        return None, points[near], weights[near], stretch.length
+        return _Material(None, points[near], weights[near], stretch.length)
     whole = shapely.LineString(stretch)
     line = whole.intersection(part.body.exterior)
     pieces = [
         piece for piece in shapely.get_parts(line) if piece.geom_type == "LineString" and piece.length > 0
     ]
     ends = np.array([piece.coords[k] for piece in pieces for k in (0, -1)]).reshape(-1, 2)
-    return line, ends, np.repeat([0.5 * piece.length for piece in pieces], 2), whole.length
+    return _Material(line, ends, np.repeat([0.5 * piece.length for piece in pieces], 2), whole.length)
 
 
 def _condition(
@@ -150,6 +177,7 @@ def _condition(
     weights: Array,
     material: float,
     part: Part,
+    stiff: Stiff | None,
 ) -> Condition:
     """A condition on one stretch of all that the table names, of which so many mm are material."""
     if isinstance(stretch, Span):
@@ -158,6 +186,8 @@ def _condition(
     else:
         empty = Condition(*stretch)
     start, end, span = empty.start, empty.end, empty.span
+    if stiff is not None:
+        return Condition(start, end, _given_motion(table, stiff.middle), span=span, stiff=stiff)
     if table.displacement is not None:
         u_x, u_y = (None if u == "free" else Affine(float(u)) for u in table.displacement)
         return Condition(start, end, (u_x, u_y), span=span)
@@ -176,6 +206,27 @@ def _condition(
     if span is None:
         raise ValueError("pin: pushes in a hole; give the hole, or a force")
     return _pinned(Condition(start, end, span=span), table.pin, points, weights, part.thickness)
+
+
+def _stiff(table: Boundary, within: Sequence[_Material], part: Part) -> Stiff:
+    """The rigid body on what of some stretches is material."""
+    points, weights = (
+        np.concatenate([getattr(each, name) for each in within]) for name in ("points", "weights")
+    )
+    length = float(weights.sum())
+    x, y = (weights @ points / length).tolist()
+    free = [True, True] if table.displacement is None else [u == "free" for u in table.displacement]
+    F_x, F_y = (0.0, 0.0) if table.force is None else table.force
+    force = F_x / part.thickness, F_y / part.thickness, (table.moment or 0.0) / part.thickness
+    return Stiff((x, y), 0.5 * length, (free[0], free[1], table.rotation is None), force)
+
+
+def _given_motion(table: Boundary, middle: Point) -> tuple[Affine, Affine]:
+    """What of a rigid body's motion is given, as displacements."""
+    angle = np.radians(table.rotation or 0.0)
+    given = table.displacement or ("free", "free")
+    x, y = (0.0 if u == "free" else float(u) for u in given)
+    return Affine(x + angle * middle[1], 0.0, -angle), Affine(y - angle * middle[0], angle, 0.0)
 
 
 def _pinned(at: Condition, force: Point, points: Array, weights: Array, thickness: float) -> Condition:
@@ -219,8 +270,12 @@ def _meet(one: _Placed, other: _Placed, near: float) -> bool:
 def _balance(placed: list[_Placed]) -> list[str]:
     """Nothing that loads, or motions that are free and loads that do not balance."""
     moved = [c for p in placed for c in p.condition.displacement if c is not None and any(c)]
-    if not moved and not any(p.condition.is_loaded for p in placed):
+    bodies = Loading(tuple(p.condition for p in placed)).stiff
+    acts = any(p.condition.is_loaded for p in placed) or any(any(body.force) for body in bodies)
+    if not moved and not acts:
         return ["boundary: moves and loads nothing; without a load there is no failure to predict"]
+    if bodies:
+        return _not_held(placed, bodies)
     points = np.concatenate([p.points for p in placed])
     held = np.concatenate([np.tile(p.condition.is_held, (len(p.points), 1)) for p in placed])
     force = np.concatenate([p.weights[:, None] * p.tractions for p in placed])
@@ -233,4 +288,27 @@ def _balance(placed: list[_Placed]) -> list[str]:
     return [
         f"boundary: the part is free to move {names_of(points, free)}, and what acts on it does not balance: forces of "
         f"({x:.4g}, {y:.4g}) N for each mm of thickness are left, or a moment; hold it, or balance the loads"
+    ]
+
+
+def _not_held(placed: list[_Placed], bodies: Sequence[Stiff]) -> list[str]:
+    """Motions that are free of a part with stiff stretches, whose forces then hang in the air."""
+    points = np.concatenate([p.points for p in placed])
+    middle, reach = points.mean(axis=0), float(np.ptp(points, axis=0).max())
+    rows = [
+        motions_about(p.points, middle, reach)[:, np.array(p.condition.is_held)].reshape(-1, 3)
+        for p in placed
+        if p.condition.stiff is None
+    ]
+    for body in bodies:
+        at = motions_about(np.array([body.middle]), middle, reach)[0]
+        given = np.vstack([at, [0.0, 0.0, 1.0]])
+        rows.append(given[~np.array(body.free)])
+    free = unheld(np.concatenate(rows))
+    if not len(free):
+        return []
+    motions = motions_about(points, middle, reach).reshape(-1, 3) @ free.T
+    return [
+        f"boundary: the part is free to move {names_of(points, motions)}, with what is stiff on it; hold it elsewhere, "
+        "or give a displacement or a rotation"
     ]

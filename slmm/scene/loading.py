@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.mechanics.rigid import motions_about
 from slmm.part.span import Span
 
 Array = NDArray[np.float64]
@@ -52,6 +53,43 @@ class Affine(NamedTuple):
         return self.at + self.by_x * x + self.by_y * y
 
 
+@dataclass(frozen=True, eq=False)
+class Stiff:
+    """A rigid body on a stretch, or on several: what of its motion is free, and the forces on it that go with that.
+
+    Parameters
+    ----------
+    middle : (float, float)
+        Of the material that it holds, mm; forces act there, and it turns about it.
+    reach : float
+        Half of that material's length, mm.
+    free : (bool, bool, bool)
+        Whether it may move along x, along y, and turn.
+    force : (float, float, float)
+        In these directions, N for each mm of thickness, and the moment, N mm, counter-clockwise.
+
+    Examples
+    --------
+    >>> bar = Stiff((5.0, 0.0), 5.0, (False, True, True), (0.0, 3.0, 10.0))
+    >>> bar.motions(np.array([[10.0, 0.0]])).tolist(), bar.resultants.tolist()
+    ([[[0.0, -0.0], [1.0, 1.0]]], [3.0, 2.0])
+    """
+
+    middle: Point
+    reach: float
+    free: tuple[bool, bool, bool]
+    force: tuple[float, float, float]
+
+    def motions(self, points: Array) -> Array:
+        """Displacements (n, 2, k) of points (n, 2) by its k free motions; a turn moves by 1 at its reach."""
+        return motions_about(points, np.array(self.middle), self.reach)[..., np.array(self.free)]
+
+    @property
+    def resultants(self) -> Array:
+        """Forces (k,) whose work by its free motions is that of the forces on it, N for each mm of thickness."""
+        return np.array([*self.force[:2], self.force[2] / self.reach])[np.array(self.free)]
+
+
 @dataclass(frozen=True)
 class Condition:
     """What acts along a stretch of a part's surface: a straight one, or a span of an outline.
@@ -70,6 +108,8 @@ class Condition:
         Of a pin that pushes this way: its pressure falls as the cosine, from this one, MPa, to the sides.
     span : Span, optional
         None on a straight stretch.
+    stiff : Stiff, optional
+        The rigid body that the stretch belongs to; ``displacement`` is then what of its motion is given.
     """
 
     start: Point
@@ -79,6 +119,7 @@ class Condition:
     pressure: float = 0.0
     bearing: Point = (0.0, 0.0)
     span: Span | None = None
+    stiff: Stiff | None = None
 
     @property
     def length(self) -> float:
@@ -106,6 +147,13 @@ class Condition:
         (dx, dy), near = (points - start).T, ON_STRETCH * length
         s = dx * along[0] + dy * along[1]
         return (np.abs(dx * along[1] - dy * along[0]) < near) & (s > -near) & (s < length + near)
+
+    def points(self, share: Array) -> Array:
+        """Points (n, 2) at shares (n,) of its length, mm."""
+        if self.span is not None:
+            return self.span.points(share)
+        start = np.array(self.start)
+        return start + share[:, None] * (np.array(self.end) - start)
 
     def outward(self, points: Array) -> Array:
         """Unit normals (n, 2) out of the body at points (n, 2) of the stretch."""
@@ -161,6 +209,11 @@ class Loading:
         return iter(self.conditions)
 
     @property
+    def stiff(self) -> tuple[Stiff, ...]:
+        """The rigid bodies, each once."""
+        return tuple(dict.fromkeys(condition.stiff for condition in self if condition.stiff is not None))
+
+    @property
     def ends(self) -> Array:
         """Points (n, 2) where conditions begin, end or have kinks, mm: models have nodes there."""
         return np.concatenate([np.empty((0, 2)), *(condition.ends for condition in self)])
@@ -179,7 +232,7 @@ class Loading:
         None where they are not one function, or nothing is prescribed.
         """
         fields = {condition.displacement for condition in self}
-        if len(fields) != 1:
+        if len(fields) != 1 or self.stiff:
             return None
         u_x, u_y = fields.pop()
         if u_x is None or u_y is None:
@@ -198,6 +251,8 @@ class Loading:
             ),
             default=0.0,
         )
+        if side:
+            traction = max([traction, *(float(np.hypot(*stiff.force[:2])) / side for stiff in self.stiff)])
         if self.strain is not None:
             return max(traction, E * float(np.abs(self.strain).max()))
         moved = [

@@ -224,10 +224,6 @@ class Scene(Table):
             problems += load_problems(self.load, edges_of(self.outlines, width, height), width, height)
         elif not problems:
             problems += self._general_loading[1]
-        if self.load is None and self.analysis.local_model == "voxels":
-            problems.append(
-                'analysis.local_model = "voxels": know [load] on a plate alone; take "boundary" or "body-fitted"'
-            )
         if self.analysis.points is not None:
             problems += position_problems(np.array(self.analysis.points), self.outer)
         if problems:

@@ -142,7 +142,7 @@ def solve_voxels(
     finally:
         numba.set_num_threads(threads)
     if not residual <= tol:
-        _check_held(density[1:-4, 1:-4])
+        check_held(density[1:-4, 1:-4])
         raise NotConvergedError(
             f"{nx} x {ny} voxels: residual {residual:.1e} after {iterations} iterations, {tol:.1e} wanted; "
             f"allow more or make the void stiffer (now {stiffness.min():.1e})"
@@ -226,11 +226,11 @@ def _conjugate_gradients(
         if slow:
             multigrid.strengthen()
         if residual > tol and iterations == PATIENCE:
-            _check_held(density[1:-4, 1:-4])
+            check_held(density[1:-4, 1:-4])
     return u, iterations, residual
 
 
-def _check_held(stiffness: NDArray) -> None:
+def check_held(stiffness: NDArray) -> None:
     """Refuse material in pieces, once a solve is slow: whatever is much stiffer than the void counts."""
     from scipy.ndimage import label  # only a solve that is slow needs it, and it takes long to load
 

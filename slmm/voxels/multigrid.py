@@ -12,6 +12,7 @@ single precision it drowned after a few grids, and models of a million voxels un
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numba
 import numpy as np
@@ -24,7 +25,7 @@ from slmm.voxels import kernels as voxel_kernels
 from slmm.voxels import stencil as voxel_stencil
 from slmm.voxels.element import coefficients, largest_eigenvalue
 
-Field = NDArray[np.float32]
+Field = NDArray[Any]  # float32, or float64 where a model asks for it
 
 PADDING = 5  # n intervals have n + 1 nodes, and an array one zero before and three after them; computed
 DIRECT = 300  # nodes below which a grid is solved directly; chosen
@@ -76,6 +77,8 @@ class Multigrid:
         Degree of the Chebyshev smoother, before and after the coarse correction.
     """
 
+    precision: type = np.float32  # of the coarse grids' stencils and fields
+
     def __init__(
         self,
         density: Field,
@@ -106,8 +109,8 @@ class Multigrid:
         stencil = np.empty((0, 19, 0))  # of the coarsest grid so far
         x, y = np.linspace(0, width, nx + 1), np.linspace(0, height, ny + 1)
         while len(x) * len(y) > DIRECT and min(len(x), len(y)) > 3:
-            weights_x, weights_y = _weights(x), _weights(y)
-            x, y, rows = _every_second(x), _every_second(y), _every_second(np.arange(free_rows.shape[1]))
+            weights_x, weights_y = interpolation(x), interpolation(y)
+            x, y, rows = coarser_nodes(x), coarser_nodes(y), coarser_nodes(np.arange(free_rows.shape[1]))
             free_rows = free_rows[:, rows]
             nx, ny = len(x) - 1, len(y) - 1
             coarse = np.zeros((ny + PADDING, 19, nx + PADDING))
@@ -119,7 +122,10 @@ class Multigrid:
             stencil = np.zeros((ny + PADDING, 19, nx + PADDING))
             for i in range(1, ny + 2):
                 voxel_kernels.stencil_row(i, density, exact, stencil[i])
-        self._factorise(stencil, x, y, free_rows, free_sides, rigid)
+        unknown = np.repeat(free_rows[:, :, None], nx + 1, axis=2)
+        if not free_sides:
+            unknown[:, :, [0, -1]] = False
+        self._factorise(stencil, unknown, _rigid_motions(x, y, rigid))
 
     def _append_grid(
         self,
@@ -131,34 +137,25 @@ class Multigrid:
         free: Field,
         columns: Field,
     ) -> None:
-        rounded = stencil.astype(np.float32)
-        b, u, other = (padded_zeros(nx, ny) for _ in range(3))
+        rounded: Field = stencil.astype(self.precision)
+        b, u, other = (padded_zeros(nx, ny, self.precision) for _ in range(3))
         bound = _largest_eigenvalue(rounded, free, columns, u)
         u[:] = 0
-        wx, wy = weights_x.astype(np.float32), weights_y.astype(np.float32)
+        wx: Field = weights_x.astype(self.precision)
+        wy: Field = weights_y.astype(self.precision)
         self.grids.append(Grid(rounded, free, columns, wx, wy, bound, b, u, other))
 
     def _factorise(
-        self,
-        stencil: NDArray[np.float64],
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
-        free_rows: NDArray[np.bool_],
-        free_sides: bool,
-        rigid: tuple[str, ...],
+        self, stencil: NDArray[np.float64], unknown: NDArray[np.bool_], motions: NDArray[np.float64]
     ) -> None:
         """LU of the coarsest grid; rigid motions that nothing holds are fixed by Lagrange multipliers."""
-        nx = len(x) - 1
         A = _matrix(stencil[1:-3, :, 1:-3])
-        unknown = np.repeat(free_rows[:, :, None], nx + 1, axis=2)
-        if not free_sides:
-            unknown[:, :, [0, -1]] = False
         self._unknown = np.flatnonzero(unknown)
         A = A[self._unknown][:, self._unknown]
         # A cycle in single precision cannot tell softer motions from its own rounding, and must not magnify that:
         # with 1e-10, 2 of 150 random plates did not converge. With 1e-3, slender plates were too stiff to bend.
         A = A + sp.diags_array(1e-6 * A.diagonal())
-        motions = _rigid_motions(x, y, rigid)[:, self._unknown]
+        motions = motions[:, self._unknown]
         self._multipliers = len(motions)
         if self._multipliers:
             border = sp.csr_array(motions * A.diagonal().mean())
@@ -276,12 +273,12 @@ def _free(free_rows: NDArray[np.bool_], free_sides: bool, nx: int) -> tuple[Fiel
     return free, columns
 
 
-def _every_second(nodes: NDArray) -> NDArray:
+def coarser_nodes(nodes: NDArray) -> NDArray:
     """Every second node, and always the last."""
     return nodes[::2] if len(nodes) % 2 else np.append(nodes[::2], nodes[-1])
 
 
-def _weights(x: NDArray[np.float64]) -> NDArray[np.float64]:
+def interpolation(x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights of the coarse neighbours of each odd node, in the layout of voxel_stencil."""
     left, middle = x[:-1:2], x[1::2]
     right = x[2::2] if len(x) % 2 else np.append(x[2::2], x[-1])

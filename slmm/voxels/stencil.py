@@ -41,6 +41,24 @@ def _node_force(j, S, T, xs, xc, xn, ys, yc, yn):
 
 
 @row_kernel
+def _force_row(S, T, xs, xc, xn, ys, yc, yn, ox, oy):
+    for j in range(1, len(ox) - 3):
+        force_x, force_y = _node_force(j, S, T, xs, xc, xn, ys, yc, yn)
+        ox[j] = force_x
+        oy[j] = force_y
+
+
+@grid_kernel
+def nodal_forces(stencil, u, out):
+    """out = A u."""
+    for i in prange(1, u.shape[1] - 3):
+        _force_row(
+            stencil[i], stencil[i - 1],
+            u[0, i - 1], u[0, i], u[0, i + 1], u[1, i - 1], u[1, i], u[1, i + 1], out[0, i], out[1, i],
+        )  # fmt: skip
+
+
+@row_kernel
 def _smooth_row(S, T, xs, xc, xn, ys, yc, yn, bx, by, ox, oy, now, old, step_x, step_y, columns):
     for j in range(1, len(columns) - 3):
         force_x, force_y = _node_force(j, S, T, xs, xc, xn, ys, yc, yn)

@@ -39,7 +39,7 @@ def test_a_notched_beam_fails_where_all_methods_say():
     assert "known for [load] alone" in str(cells.status.values[0])
 
 
-def test_strength_and_critical_distances_come_by_boundary_integrals_where_voxels_do_not_know_the_load():
+def test_strength_and_critical_distances_come_by_boundary_integrals_under_conditions():
     scene = beam(holes=[NOTCH], analysis={"points": [[22, 3]]})
     for criterion in ("rankine", "point"):
         lines = failure_indices(scene, criterion)

@@ -119,11 +119,6 @@ def test_positions_are_on_the_outer_edge_too_but_where_it_is_held_or_juts_out():
             {},
             "overlap, and act in the same direction",
         ),
-        (
-            [PRESSED],
-            {"analysis": {"local_model": "voxels"}},
-            r'analysis.local_model = "voxels": know \[load\]',
-        ),
         ([PRESSED], {"holes": [HOLE | {"center": [30.0, 0.0]}]}, r"holes\[0\]: lies outside the part"),
         ([PRESSED], {"holes": [HOLE | {"center": [0.0, 16.0]}]}, r"holes\[0\]: just touches the part's edge"),
         ([PRESSED], {"cracks": [{"points": [[15.0, 0.0], [25.0, 0.0]]}]}, r"cracks\[0\]: leaves the part"),
