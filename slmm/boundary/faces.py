@@ -53,19 +53,26 @@ def held_closed(S: Array, load: Array, direction: Complex) -> tuple[Array, NDArr
     # along the crack, and across
     Q = turn.reshape(2 * m, 2 * m)
     local, acts = Q @ S @ Q.T, Q @ load
-    across = np.arange(2 * m) % 2 == 1
+    # forces along a crack are normal tractions, jumps across it are openings
+    along, across = np.arange(0, 2 * m, 2), np.arange(1, 2 * m, 2)
+    lu = la.lu_factor(local, overwrite_a=True, check_finite=False)
+    unheld = la.lu_solve(lu, acts, check_finite=False)
+    #: jumps by a unit force on each place that has ever touched
+    by_force, asked = np.empty((2 * m, m)), np.zeros(m, dtype=bool)
     closed = np.zeros(m, dtype=bool)
     for _ in range(MOST_TRIES):
-        # the normal traction is the part of the force along the crack; that of the jump is across
-        free = np.ones(2 * m, dtype=bool)
-        free[across] = ~closed
-        kept = np.ones(2 * m, dtype=bool)
-        kept[~across] = ~closed
-        jump = np.zeros(2 * m)
-        jump[free] = la.solve(local[np.ix_(kept, free)], acts[kept])
-        tension = (local @ jump - acts)[~across]
-        opening = jump[across]
-        overlaps = opening < -ROUND_OFF * np.abs(jump).max(initial=1e-300)
+        new = np.flatnonzero(closed & ~asked)
+        unit = np.zeros((2 * m, len(new)))
+        unit[along[new], np.arange(len(new))] = 1.0
+        by_force[:, new] = la.lu_solve(lu, unit, overwrite_b=True, check_finite=False)
+        asked[new] = True
+        touch = np.flatnonzero(closed)
+        force = la.solve(by_force[np.ix_(across[touch], touch)], -unheld[across[touch]])
+        jump = unheld + by_force[:, touch] @ force
+        jump[across[touch]] = 0.0
+        tension = np.zeros(m)
+        tension[touch] = force
+        overlaps = jump[across] < -ROUND_OFF * np.abs(jump).max(initial=1e-300)
         now = (closed & (tension <= 0)) | overlaps
         if (now == closed).all():
             return Q.T @ jump, closed

@@ -122,12 +122,15 @@ def competing_events(
     direction : callable
         Which way tips run on, see `slmm.fracture.directions`.
     """
-    tips = growths(part.tips, np.where((K[:, 0] > closed)[:, None], K, 0.0), material, direction)
+    # a closed tip has no mode I, and its faces slide
+    moved = np.where(np.abs(K) > closed[:, None], K, 0.0)
+    moved[:, 0] = np.maximum(moved[:, 0], 0.0)
+    tips = growths(part.tips, moved, material, direction)
     lowest = min((event.load for event in tips), default=np.inf)
     return tips + first_cracks(lowest * (1 + COMPETING))
 
 
 def unloaded(part: Part, stress: float, share: float) -> Array:
-    """K_I (k,) of tips that a share of the largest stress along surfaces, MPa, would cause: K_I that is none."""
+    """K (k,) of tips that a share of a stress along surfaces, MPa, would cause: K that is none."""
     sizes = [np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in part.tips]
     return np.asarray(share * stress * np.sqrt(np.pi * np.array(sizes)))

@@ -85,7 +85,7 @@ def growths(tips: Sequence[Array], K: Array, material: Material, direction: Dire
     """
     found = []
     for k, (line, (K_I, K_II)) in enumerate(zip(tips, K.tolist(), strict=True)):
-        if not K_I > 0:
+        if K_I < 0 or K_I == K_II == 0:
             continue
         along = (line[-1] - line[-2]) / np.linalg.norm(line[-1] - line[-2])
         kink = direction(K_I, K_II)
