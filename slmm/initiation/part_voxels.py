@@ -13,7 +13,7 @@ from slmm.initiation.uncracked import Raster
 from slmm.voxels.grid import VoxelGrid
 from slmm.voxels.part_load import part_load
 from slmm.voxels.part_model import PartVoxels
-from slmm.voxels.recovery import SURFACE_POINTS, PatchStress, surface_of
+from slmm.voxels.patch_stress import SURFACE_POINTS, PatchStress, surface_of
 
 Array = NDArray[np.float64]
 
@@ -122,7 +122,7 @@ def _solve(scene: Any, voxels: int, void: float, coarser: PartField | None) -> P
     grid = VoxelGrid((left, bottom), (right - left) / nx, (top - bottom) / ny, nx, ny)
     density = grid.density(part)
     load = part_load(part, scene.loading, grid, E)
-    solution = PartVoxels(grid, void + (1 - void) * density, E, nu, load).solve(load)
+    solution = PartVoxels(grid, void + (1 - void) * density, E, nu, load).solve_bodies(load)
     surface = surface_of(part, scene.loading, grid.size / SURFACE_POINTS)
     patches = PatchStress(grid, solution.u, density, surface, E, nu)
     covered = COVERED_CRACKED if part.cracks else COVERED
