@@ -2,8 +2,7 @@
 
 Each scene of examples/parts three times, by the strength criterion at the surface, where a crack could start. Estimated
 errors have to cover what sets the models apart: at most 5 % of the positions of any two may lie farther apart than both
-estimates and 0.3 % of the part's largest index, which stands for supports and loads that are shorter than an element;
-the largest index itself agrees within the estimates.
+estimates and 0.3 % of the part's largest index, which stands for supports and loads that are shorter than an element.
 
 Writes validation/results/part_models.csv, some minutes; ``--quick`` takes two parts and writes nothing.
 """

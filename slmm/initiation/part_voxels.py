@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 #: what voxels of twice the size change may be less than the error of these by this factor: it falls with the size, not
 #: always evenly; with cracks, which act longer or shorter by half a voxel, more slowly (chosen on
-#: validation/boundary_parts.py)
+#: validation/part_models.py)
 COVERED, COVERED_CRACKED = 2.0, 4.0
 #: stiffness of the coarser grid's void over that of the finer one's, so that the estimates show what it does (chosen)
 STIFFER_VOID = 3.0

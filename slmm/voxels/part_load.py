@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 #: pieces of a stretch in each voxel and in all, at least, and Gauss points on each, for integrals along it (chosen)
 PIECES, LEAST_PIECES, GAUSS_POINTS = 4, 200, 2
 #: stiffness of the springs that hold a stretch, per area, over Young's modulus by the voxel's size: softer ones give
-#: way, stiffer ones hold all nodes of the voxels that a stretch goes through (chosen on validation/voxel_parts.py)
+#: way, stiffer ones hold all nodes of the voxels that a stretch goes through (chosen: of 3 to 300, on bars at angles)
 SPRING = 30.0
 #: distance from the body's polygon at which a point of its outline counts as on it, in tolerances of the part (chosen)
 NEAR = 10.0
