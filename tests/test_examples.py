@@ -49,8 +49,8 @@ def test_the_v_notch_is_little_stronger_than_a_crack_of_its_depth():
 
 
 @pytest.mark.parametrize("scene_file", PARTS, ids=lambda path: path.stem)
-def test_part_by_boundary_integrals_and_on_a_mesh(scene_file, tmp_path):
-    """The stress along all surfaces by both, within what both estimate and one percent of the largest."""
+def test_part_by_boundary_integrals_on_a_mesh_and_on_voxels(scene_file, tmp_path):
+    """The stress along all surfaces by all, within what both estimate and one percent of the largest."""
     picture = tmp_path / "picture.png"
     command = [
         "initiation",
@@ -66,12 +66,13 @@ def test_part_by_boundary_integrals_and_on_a_mesh(scene_file, tmp_path):
     assert result.exit_code in (0, 1), result.stderr  # 1: a corner or tip leaves the verdict open
     assert picture.exists()
     scene = read_scene(scene_file)
-    one, other = (
+    one, *others = (
         failure_indices(scene.with_(analysis={"local_model": model}), "rankine", positions=7)
-        for model in ("boundary", "body-fitted")
+        for model in ("boundary", "body-fitted", "voxels")
     )
-    both = np.isfinite(one.failure_index) & np.isfinite(other.failure_index)
-    assert both.sum() >= 4
-    apart = np.abs(one.failure_index - other.failure_index)[both]
-    told = (one.failure_index_error + other.failure_index_error)[both]
-    assert (apart <= told + 0.01 * other.failure_index.max()).all()
+    for other in others:
+        both = np.isfinite(one.failure_index) & np.isfinite(other.failure_index)
+        assert both.sum() >= 4
+        apart = np.abs(one.failure_index - other.failure_index)[both]
+        told = (one.failure_index_error + other.failure_index_error)[both]
+        assert (apart <= told + 0.01 * other.failure_index.max()).all()

@@ -13,13 +13,13 @@ from slmm.initiation.uncracked import Raster
 from slmm.voxels.grid import VoxelGrid
 from slmm.voxels.part_load import part_load
 from slmm.voxels.part_model import PartVoxels
-from slmm.voxels.recovery import SURFACE_POINTS, PatchStress, surface_of
+from slmm.voxels.patch_stress import SURFACE_POINTS, PatchStress, surface_of
 
 Array = NDArray[np.float64]
 
 #: what voxels of twice the size change may be less than the error of these by this factor: it falls with the size, not
 #: always evenly; with cracks, which act longer or shorter by half a voxel, more slowly (chosen on
-#: validation/boundary_parts.py)
+#: validation/part_models.py)
 COVERED, COVERED_CRACKED = 2.0, 4.0
 #: stiffness of the coarser grid's void over that of the finer one's, so that the estimates show what it does (chosen)
 STIFFER_VOID = 3.0
@@ -122,7 +122,7 @@ def _solve(scene: Any, voxels: int, void: float, coarser: PartField | None) -> P
     grid = VoxelGrid((left, bottom), (right - left) / nx, (top - bottom) / ny, nx, ny)
     density = grid.density(part)
     load = part_load(part, scene.loading, grid, E)
-    solution = PartVoxels(grid, void + (1 - void) * density, E, nu, load).solve(load)
+    solution = PartVoxels(grid, void + (1 - void) * density, E, nu, load).solve_bodies(load)
     surface = surface_of(part, scene.loading, grid.size / SURFACE_POINTS)
     patches = PatchStress(grid, solution.u, density, surface, E, nu)
     covered = COVERED_CRACKED if part.cracks else COVERED

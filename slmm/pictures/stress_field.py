@@ -86,7 +86,7 @@ def _around_cracks(scene: Scene, view: View) -> StressField:
 
 
 def _by_boundary_integrals(scene: Scene, view: View) -> StressField:
-    """Under conditions that voxels do not know."""
+    """Under `[[boundary]]`: fine wherever the view is."""
     from slmm.boundary.model import BoundaryModel  # imports the kernels
     from slmm.mechanics.stress import principal_stress
 

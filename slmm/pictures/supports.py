@@ -15,10 +15,14 @@ Array = NDArray[np.float64]
 #: length of the longest arrow, distance between arrows and of supports' strokes, over the part's size
 ARROW, APART, STROKE = 0.07, 0.045, 0.02
 HELD, LOADED = PALETTE[2], PALETTE[3]
+#: points of the line that is a stiff stretch; chosen
+BAR_POINTS = 50
 
 
 def draw_supports(axes: Axes, scene: Scene) -> None:
     """Strokes where a direction is held, arrows where the surface is moved or pulled, as long as what moves or pulls.
+
+    What is stiff is a bar, with the mean traction of its force as an arrow in the middle.
 
     A short load on a plate is drawn like conditions on its edges.
     """
@@ -27,11 +31,27 @@ def draw_supports(axes: Axes, scene: Scene) -> None:
     for condition in scene.loading:
         x_y, outward = _along(condition, APART * scene.size)
         held = np.array(condition.is_held)
+        if condition.stiff is not None:
+            ends = condition.points(np.linspace(0.0, 1.0, BAR_POINTS))
+            axes.plot(*ends.T, color=HELD, linewidth=4.0, zorder=6, label=_once("stiff", named))
+            held = held & ~np.array(condition.stiff.free[:2])
         if held.any():
             _strokes(axes, x_y, outward, held, STROKE * scene.size, _once("held", named))
             u = np.stack([_values(component, x_y) for component in condition.displacement], axis=1)
             if moved > 0:
                 _arrows(axes, x_y, outward, ARROW * scene.size * u / moved, HELD, _once("moved", named))
+        if condition.stiff is not None and pulled > 0:
+            middle, out = (
+                np.array([condition.stiff.middle]),
+                condition.outward(x_y).mean(axis=0, keepdims=True),
+            )
+            force = (
+                ARROW
+                * scene.size
+                * np.array([condition.stiff.force[:2]])
+                / (2 * condition.stiff.reach * pulled)
+            )
+            _arrows(axes, middle, out, force, LOADED, _once("loaded", named))
         if condition.is_loaded and pulled > 0:
             t = condition.tractions(outward)
             _arrows(axes, x_y, outward, ARROW * scene.size * t / pulled, LOADED, _once("loaded", named))
@@ -50,6 +70,8 @@ def _largest(scene: Scene) -> tuple[float, float]:
         u = [_values(component, x_y) for component in condition.displacement]
         moved = max(moved, float(np.hypot(*u).max()))
         pulled = max(pulled, float(np.hypot(*condition.tractions(outward).T).max()))
+        if condition.stiff is not None:
+            pulled = max(pulled, float(np.hypot(*condition.stiff.force[:2])) / (2 * condition.stiff.reach))
     return moved, pulled
 
 

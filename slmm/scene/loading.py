@@ -72,7 +72,7 @@ class Stiff:
     --------
     >>> bar = Stiff((5.0, 0.0), 5.0, (False, True, True), (0.0, 3.0, 10.0))
     >>> bar.motions(np.array([[10.0, 0.0]])).tolist(), bar.resultants.tolist()
-    ([[[0.0, -0.0], [1.0, 1.0]]], [3.0, 2.0])
+    ([[[0.0, 0.0], [1.0, 1.0]]], [3.0, 2.0])
     """
 
     middle: Point

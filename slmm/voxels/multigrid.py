@@ -137,7 +137,7 @@ class Multigrid:
         free: Field,
         columns: Field,
     ) -> None:
-        rounded: Field = stencil.astype(self.precision)
+        rounded: Field = stencil.astype(self.precision, copy=False)
         b, u, other = (padded_zeros(nx, ny, self.precision) for _ in range(3))
         bound = _largest_eigenvalue(rounded, free, columns, u)
         u[:] = 0

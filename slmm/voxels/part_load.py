@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from slmm.mechanics.rigid import motions_about, unheld
 from slmm.part.part import Part
 from slmm.scene.load_checks import UNBALANCED
-from slmm.scene.loading import Affine, Condition, Loading
+from slmm.scene.loading import Affine, Condition, Loading, Stiff
 from slmm.voxels.grid import VoxelGrid
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 #: pieces of a stretch in each voxel and in all, at least, and Gauss points on each, for integrals along it (chosen)
 PIECES, LEAST_PIECES, GAUSS_POINTS = 4, 200, 2
 #: stiffness of the springs that hold a stretch, per area, over Young's modulus by the voxel's size: softer ones give
-#: way, stiffer ones hold all nodes of the voxels that a stretch goes through (chosen on validation/voxel_parts.py)
+#: way, stiffer ones hold all nodes of the voxels that a stretch goes through (chosen: of 3 to 300, on bars at angles)
 SPRING = 30.0
 #: distance from the body's polygon at which a point of its outline counts as on it, in tolerances of the part (chosen)
 NEAR = 10.0
@@ -46,6 +46,10 @@ class PartLoad:
         direction, N/mm, and the displacements that it pulls towards, mm.
     free : ndarray, shape (k, 3)
         Rigid motions that nothing holds, as combinations of `motions_about` the middle of the grid.
+    bodies : tuple of PartLoad
+        What each free motion of a rigid body on the surface, by 1 mm, would alone prescribe.
+    resultants : ndarray, shape (m,)
+        The forces on the bodies that go with these motions, N.
     """
 
     force: Array
@@ -53,6 +57,8 @@ class PartLoad:
     value: Array
     springs: list[Springs]
     free: Array
+    bodies: tuple[PartLoad, ...] = ()
+    resultants: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def pulls(self) -> Array:
@@ -76,7 +82,9 @@ def part_load(part: Part, loading: Loading, grid: VoxelGrid, E: float) -> PartLo
     """
     nodes = grid.nodes
     force, value, held = np.zeros(nodes.shape), np.zeros(nodes.shape), np.zeros(nodes.shape, dtype=bool)
-    springs, rows, work, acting = [], [np.empty((0, 3))], np.zeros(3), 0.0
+    springs: list[Springs] = []
+    owners: list[tuple[Condition, NDArray[np.int64]]] = []
+    rows, work, acting = [np.empty((0, 3))], np.zeros(3), 0.0
     for condition in loading:
         points, outward, weight = along(condition, part, grid)
         near, share = grid.shares(points)
@@ -94,6 +102,7 @@ def part_load(part: Part, loading: Loading, grid: VoxelGrid, E: float) -> PartLo
         springs.append((near, share, SPRING * E / grid.size * weight[:, None] * directions, wanted))
         beside = np.unique(near)
         on = beside[condition.on(nodes[beside])]
+        owners.append((condition, on))
         for i, u in enumerate(condition.displacement):
             if u is not None:
                 held[on, i], value[on, i] = True, u(nodes[on])
@@ -104,7 +113,28 @@ def part_load(part: Part, loading: Loading, grid: VoxelGrid, E: float) -> PartLo
             f"load: the part is free to move, and what acts on it does not balance: forces of ({x:.4g}, {y:.4g}) N for "
             "each mm of thickness are left, or a moment; prescribe displacements"
         )
-    return PartLoad(force, held, value, springs, free)
+    load = PartLoad(force, held, value, springs, free)
+    moved = [
+        _moved(load, body, k, owners, grid) for body in loading.stiff for k in range(len(body.resultants))
+    ]
+    resultants = np.concatenate([np.empty(0), *(body.resultants for body in loading.stiff)])
+    return replace(load, bodies=tuple(moved), resultants=resultants)
+
+
+def _moved(
+    load: PartLoad, body: Stiff, k: int, owners: list[tuple[Condition, NDArray[np.int64]]], grid: VoxelGrid
+) -> PartLoad:
+    """What the k-th free motion of a rigid body alone prescribes."""
+    nodes, value, springs = grid.nodes, np.zeros(load.value.shape), []
+    for (condition, on), (near, share, stiffness, wanted) in zip(owners, load.springs, strict=True):
+        if condition.stiff is body:
+            value[on] = body.motions(nodes[on])[..., k]
+            # a point is where its shares are
+            points = np.einsum("pk,pki->pi", share, nodes[near])
+            springs.append((near, share, stiffness, body.motions(points)[..., k]))
+        else:
+            springs.append((near, share, stiffness, np.zeros(wanted.shape)))
+    return replace(load, force=np.zeros(load.force.shape), value=value, springs=springs)
 
 
 def along(condition: Condition, part: Part, grid: VoxelGrid) -> tuple[Array, Array, Array]:

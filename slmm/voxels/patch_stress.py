@@ -24,7 +24,7 @@ from slmm.voxels.part_load import NEAR
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: radius of a patch, in voxels, and degree of its polynomials (chosen on validation/boundary_parts.py)
+#: radius of a patch, in voxels, and degree of its polynomials (chosen on validation/part_models.py)
 RADIUS, DEGREE = 8.0, 5
 #: voxels between a node that counts and those that are not all material (chosen: the cut voxels' error has faded)
 DEEP = 1

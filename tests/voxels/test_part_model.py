@@ -161,7 +161,7 @@ def test_equals_the_direct_solution_with_springs_and_held_nodes():
 def test_what_is_held_aslant_gives_way_by_less_than_a_voxel_allows():
     """Springs: the slanted edge of a bar under tension moves by a thirtieth of a voxel's stretch, about."""
     scene = lug()
-    grid, _, load, u = solved(scene, 8_000)
+    _, _, load, u = solved(scene, 8_000)
     nodes, share, _, _ = load.springs[0]
     moved = np.abs(np.einsum("kn,kni->ki", share, u[nodes]))
     assert moved.max() < 0.02 * np.abs(u).max()
@@ -200,3 +200,27 @@ def test_loads_that_do_not_balance_are_refused():
     half = type(scene.loading)(scene.loading.conditions[:1])
     with pytest.raises(ValueError, match=r"does not balance: forces of \(-10, 0\) N"):
         part_load(scene.part, half, grid, 1.0)
+
+
+def test_a_rigid_body_moves_as_by_boundary_integrals():
+    from slmm.boundary.model import BoundaryModel
+
+    scene = polygon(
+        [[0, 0], [30, 5], [28, 18], [0, 18]],
+        {"from": [0, 18], "to": [0, 0], "displacement": [0.0, 0.0]},
+        {"from": [30, 5], "to": [28, 18], "stiff": True, "force": [200.0, -50.0], "moment": 300.0},
+    )
+    points = np.array([[20.0, 10.0], [26.0, 6.0], [27.0, 16.0], [10.0, 4.0]])
+    exact = BoundaryModel(scene.part, scene.material, scene.loading).displacement(points)
+    errors = []
+    for step in (0.5, 0.25):
+        grid = VoxelGrid((0.0, 0.0), step, step, round(30 / step), round(18 / step))
+        part, (E, nu) = scene.part, scene.material.plane_stress_equivalent
+        load = part_load(part, scene.loading, grid, E)
+        assert len(load.bodies) == 3
+        model = PartVoxels(grid, VOID + (1 - VOID) * grid.density(part), E, nu, load)
+        nodes, share = grid.shares(points)
+        u = np.einsum("kn,kni->ki", share, model.solve_bodies(load).u.reshape(-1, 2)[nodes])
+        errors.append(np.abs(u - exact).max() / np.abs(exact).max())
+    assert errors[0] < 1e-2
+    assert errors[1] < 0.7 * errors[0]

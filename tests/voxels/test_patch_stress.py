@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from slmm.voxels.recovery import DEGREE, PatchStress, displacements, surface_of, tractions
 
 from slmm.part.part import Part
 from slmm.scene.loading import Loading, plate_loading
 from slmm.voxels.grid import VoxelGrid
+from slmm.voxels.patch_stress import DEGREE, PatchStress, displacements, surface_of, tractions
 
 E, NU = 3000.0, 0.3
 
