@@ -2,8 +2,8 @@
 
 Round holes of random radii in the squares of a grid, the narrowest ligaments a tenth of their diameters, and up to 25
 of them an edge crack. First solve and K, another increment of the crack, and memory, on one core with the default
-orders; the least CPU time of three, of one where that takes more than two seconds. By factors up to 2500 points, beyond by iterations; at some sizes by both,
-of which K and the stress at the holes are compared.
+orders; the least CPU time of three, of one where that takes more than two seconds. By factors up to 2500 points, beyond
+by iterations; at some sizes by both, of which K and the stress at the holes are compared.
 
 Required: the first solve grows no faster than the square of the number of panels up to 500; both ways agree to 1e-6;
 100 holes take less than a minute and 1 GB. Writes validation/results/boundary_growth.csv, ten minutes; ``--quick`` up
