@@ -2,8 +2,8 @@
 
 Round holes of random radii in the squares of a grid, the narrowest ligaments a tenth of their diameters, and up to 25
 of them an edge crack. First solve and K, another increment of the crack, and memory, on one core with the default
-orders; the least CPU time of three, of one where that takes more than two seconds. By factors up to 2500 points, beyond by iterations; at some sizes by both,
-of which K and the stress at the holes are compared.
+orders; the least CPU time of three, of one where that takes more than two seconds. By factors up to 2500 points, beyond
+by iterations; at some sizes by both, of which K and the stress at the holes are compared.
 
 Required: the first solve grows no faster than the square of the number of panels up to 500; both ways agree to 1e-6;
 100 holes take less than a minute and 1 GB. Writes validation/results/boundary_growth.csv, ten minutes; ``--quick`` up
@@ -35,11 +35,11 @@ from slmm.scene.loading import plate_loading
 
 PMMA = Material.from_name("PMMA")
 SIDE = 100.0
-HOLES = (2, 4, 6, 9, 16, 25, 100, 400)
-#: up to so many with a crack
+HOLES = (100, 400, 2, 4, 6, 9, 16, 25)
+#: up to so many with a crack; those without come first, since memory is the most that was taken so far
 CRACKED = 25
 #: sizes at which both ways are compared
-BOTH = (6, 9, 16)
+BOTH = (6, 9)
 #: radii over the sides of the grid's squares, and what is left between a hole and its square at least
 RADII, LEFT = (0.25, 0.38), 0.05
 #: an increment of the crack over the sides of the squares
@@ -129,7 +129,7 @@ def main(quick: bool = False) -> list[Check]:
     rows, checks = [], []
     for count in HOLES:
         if quick and count > 16:
-            break
+            continue
         row, values = measured(count, default)
         rows.append(row)
         if count in BOTH:
