@@ -89,7 +89,7 @@ def simulate(
     initiation : {"point"}
     engine : {"boundary", "fem"}
         What solves the part: boundary integrals, or finite elements on a mesh of their own for every increment, which
-        take some twenty times as long and do not hold faces of cracks apart.
+        take some ten times as long and do not hold faces of cracks apart.
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
     first_length : float, optional
