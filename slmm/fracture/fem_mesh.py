@@ -15,15 +15,15 @@ from slmm.fem.mesh import PlateMesh, plate_mesh
 from slmm.fem.triangulation import MesherError
 from slmm.part.crack import TIP
 from slmm.part.part import Part
-from slmm.scene.loading import Loading
+from slmm.scene.loading import Condition, Loading
 
 Array = NDArray[np.float64]
 
 #: of the coarsest meshes that are used: turn of an outline along an edge, rad; elements in what is clear around a tip,
-#: and in the part's shorter side if they were all as small as at a tip; in the depth of the point method at a corner;
-#: all chosen on validation/fracture_engines.py
+#: and in the part's shorter side if they were all as small as at a tip; in the depth of the point method at a corner or
+#: where a support ends; all chosen on validation/fracture_engines.py
 TURN, AT_TIP, SMALL, AT_CORNER = 0.12, 12, 2000, 24
-#: elements in a stretch that is held or loaded if all were as small as at its ends, where stresses are singular; chosen
+#: elements in a stretch that is held or loaded if all were as small as at its ends; chosen
 AT_END = 12
 #: sizes that are tried where the mesher fails, over those that are wanted; chosen
 OTHERS = (1.0, 0.8, 1.25, 0.6)
@@ -120,7 +120,7 @@ def _fine_at(
     more: tuple[Array, Array] | None,
 ) -> tuple[Array, Array]:
     """Points (n, 2) and the sizes (n,) wanted there, mm."""
-    side = float(np.ptp(part.outer, axis=0).min())
+    side, at_corner = float(np.ptp(part.outer, axis=0).min()), scale * depth / AT_CORNER
     tips = np.array([line[-1] for line in part.tips]).reshape(-1, 2)
     at = [tips]
     sizes = [scale * np.minimum(clear_radii(part) / AT_TIP, side / SMALL)]
@@ -129,10 +129,11 @@ def _fine_at(
         # a notch that cuts the outer edge has corners outside
         corners = corners[shapely.dwithin(shapely.points(corners), part.body.boundary, part.tolerance)]
         at.append(corners)
-        sizes.append(np.full(len(corners), scale * depth / AT_CORNER))
+        sizes.append(np.full(len(corners), at_corner))
     for condition in loading:
         at.append(condition.ends)
-        sizes.append(np.full(len(condition.ends), scale * condition.length / AT_END))
+        at_end = np.full(len(condition.ends), scale * condition.length / AT_END)
+        sizes.append(np.where(_singular(part, condition), np.minimum(at_end, at_corner), at_end))
     for points, wanted in (_alongside(part), *([more] if more else [])):
         at.append(points)
         sizes.append(wanted)
@@ -146,6 +147,16 @@ def _fine_at(
         np.concatenate([points, *(middles for middles, _ in edges)]),
         np.concatenate([wanted, *(lengths for _, lengths in edges)]),
     )
+
+
+def _singular(part: Part, condition: Condition) -> NDArray[np.bool_]:
+    """Which ends (k,) of a stretch leave stresses singular: where it is held, but for rollers up to a corner."""
+    ends = condition.ends
+    if not any(condition.is_held):
+        return np.zeros(len(ends), dtype=bool)
+    if all(condition.is_held) or part.rim is not None:
+        return np.ones(len(ends), dtype=bool)
+    return np.linalg.norm(ends[:, None] - part.outer, axis=-1).min(axis=1) > part.tolerance
 
 
 def _even_edges(line: Array, size: ElementSize) -> tuple[Array, Array]:

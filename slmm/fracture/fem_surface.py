@@ -32,9 +32,9 @@ class Ring:
     Examples
     --------
     >>> [edge] = rings(Part.plate(40.0, 60.0))
-    >>> where = edge.at(np.array([0.0, 70.0]))
-    >>> edge.length, where.points.tolist(), where.inward.round(9).tolist()
-    (200.0, [[40.0, 0.0], [30.0, 60.0]], [[-1.0, 0.0], [0.0, -1.0]])
+    >>> where = edge.at(np.array([10.0, 70.0]))
+    >>> edge.length, where.points.tolist(), (where.inward + 0.0).round(9).tolist()
+    (200.0, [[10.0, 0.0], [40.0, 30.0]], [[0.0, 1.0], [-1.0, 0.0]])
     """
 
     pieces: Sequence[Piece]

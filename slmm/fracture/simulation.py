@@ -81,7 +81,7 @@ def simulate(
         cells of the database where one fits, in plates under [load]. The last two know how long the crack is then.
     engine : {"boundary", "fem"}
         What solves the part: boundary integrals, or finite elements on a mesh of their own for every increment, which
-        take some twenty times as long and do not hold faces of cracks apart.
+        take some ten times as long and do not hold faces of cracks apart.
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
     direction : {"MTS", "MERR", "local symmetry", "J"}

@@ -10,6 +10,7 @@ from slmm.fracture.fem_engine import FemEngine
 from slmm.fracture.kinking import maximum_tangential_stress
 from slmm.fracture.surface_peaks import Site
 from slmm.scene.gallery import tensile_plate
+from slmm.scene.scene import Scene
 
 SCENE = tensile_plate(cracks=[{"points": [[20.0, 40.0], [40.0, 40.0]]}])
 PART, PMMA = SCENE.part, SCENE.material
@@ -63,7 +64,25 @@ def test_no_opening_scales_with_the_crack_and_the_stress():
 )
 def test_both_engines_say_what_happens_next_and_at_which_load(changes):
     pytest.importorskip("netgen")
-    scene = tensile_plate([(40.0, 42.0, 8.0)], **changes)
+    _compared(tensile_plate([(40.0, 42.0, 8.0)], **changes), 1e-3)
+
+
+def test_both_engines_find_that_a_clamped_disk_cracks_beside_its_support():
+    """The stress grows without bound towards a support's end, and is known less well beside it."""
+    disk = {
+        "part": {"outline": {"shape": "circle", "center": [0.0, 0.0], "radius": 40.0}, "thickness": 1.0},
+        "cracks": [{"points": [[-40.0, 0.0], [-20.0, 0.0]]}],
+        "material": {"name": "PMMA"},
+        "boundary": [
+            {"at": [0.0, -40.0], "width": 20.0, "displacement": [0.0, 0.0]},
+            {"at": [0.0, 40.0], "width": 20.0, "displacement": ["free", 0.5]},
+        ],
+    }
+    pytest.importorskip("netgen")
+    _compared(Scene.from_dict(disk), 1e-2)
+
+
+def _compared(scene, off):
     one, other = (
         engine(scene.material, scene.loading, 0.01).solve(scene.part)
         for engine in (BoundaryEngine, FemEngine)
@@ -74,7 +93,7 @@ def test_both_engines_say_what_happens_next_and_at_which_load(changes):
         min(state.events(maximum_tangential_stress), key=lambda event: event.load) for state in (one, other)
     )
     assert (found.kind, found.tip, found.hole) == (expected.kind, expected.tip, expected.hole)
-    assert found.load == pytest.approx(expected.load, rel=1e-3)
+    assert found.load == pytest.approx(expected.load, rel=off)
     # a stress that is 3e-4 off moves its peak along the hole by 0.015 rad, as 1 - 4/3 angle^2 falls there
     assert found.point == pytest.approx(expected.point, abs=0.12)
     assert found.direction == pytest.approx(expected.direction, abs=0.015)
