@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
@@ -57,6 +58,11 @@ class CrackPanels(NamedTuple):
         """Unit vectors (m,)."""
         along = self.ends - self.starts
         return along / np.abs(along)
+
+    def chosen(self, rows: NDArray[np.int64]) -> CrackPanels:
+        """Some of them."""
+        z = self.z.reshape(-1, self.p)[rows].ravel()
+        return CrackPanels(self.p, self.starts[rows], self.ends[rows], self.is_tip[rows], self.tip[rows], z)
 
 
 @lru_cache
@@ -160,10 +166,21 @@ class _Near(NamedTuple):
     def longest(self, z: Complex) -> float:
         """How long a panel through points z (k,) may be, mm."""
         return min(
-            share * float(np.abs(z[:, None] - those).min())
+            share * _nearest(z, those)
             for share, those in ((PER_DISTANCE, self.surfaces), (PER_CRACK, self.cracks))
             if len(those)
         )
+
+
+@njit(cache=True)
+def _nearest(z, those):
+    """The least distance of points (k,) from others (n,)."""
+    least = np.inf
+    for i in range(len(z)):
+        for k in range(len(those)):
+            x, y = z[i].real - those[k].real, z[i].imag - those[k].imag
+            least = min(least, x * x + y * y)
+    return np.sqrt(least)
 
 
 def _segment(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from slmm.part.part import Part
 from slmm.scene.loading import Condition, Loading
 
 #: the last panel before a corner that juts out, and one that points into the material, over the length of the side:
-#: solutions are rougher there by turns (chosen on the cases of tests/boundary); of mouths see `MouthGrading`
+#: solutions are rougher there by turns (chosen on the cases of tests/boundary); of mouths see `Grading`
 JUTTING, REENTRANT = 0.25, 1e-5
 #: the same where conditions change on a straight edge, and at a corner between a held side and a free one (chosen)
 CHANGE, HELD = 0.05, 1e-3
@@ -24,25 +23,32 @@ CHANGE, HELD = 0.05, 1e-3
 STRAIGHT_SAMPLES, ROUND_OFF = 7, 1e-13
 
 
-class MouthGrading(NamedTuple):
-    """How short panels become towards the mouth of a crack.
+class Grading(NamedTuple):
+    """How short panels are.
 
     Attributes
     ----------
     side : float
-        The last one on a surface, over the length of the side.
+        The last one on a surface before the mouth of a crack, over the length of the side.
     crack : float
-        And on a crack, over its length.
+        And on the crack, over its length.
+    radius : float
+        On a curve, over its smallest radius of curvature there.
+    distance, tip : float
+        Over the distance from other surfaces, and from crack tips.
     """
 
     side: float
     crack: float
+    radius: float
+    distance: float
+    tip: float
 
 
 #: for stress intensities of cracks as short as they may be (chosen on the cases of tests/boundary)
-FINE = MouthGrading(0.01, 0.01)
+FINE = Grading(0.01, 0.01, 0.6, 1.0, 1.0)
 #: for stiffness and tips away from mouths: solutions are smooth enough (chosen on validation/fracture_references.py)
-COARSE = MouthGrading(0.05, 0.1)
+COARSE = Grading(0.1, 0.2, 0.8, 1.5, 2.0)
 
 
 class Stretch(NamedTuple):
@@ -94,35 +100,12 @@ class Stretch(NamedTuple):
         return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
 
 
-def boundary_of(
-    part: Part, mouths: Sequence[complex], loading: Loading, at_mouth: float = FINE.side
-) -> list[list[Stretch]]:
-    """The closed curves around a part, each of stretches that end at corners, mouths and where conditions do.
-
-    Parameters
-    ----------
-    part : Part
-    mouths : sequence of complex
-        Where cracks end on the boundary, mm.
-    loading : Loading
-    at_mouth : float
-        The last panel there, over the length of the side.
-    """
-    wanted = np.concatenate(
-        [
-            np.array([(z.real, z.imag) for z in mouths]).reshape(-1, 2),
-            loading.ends,
-            *(hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.outlines),
-        ]
-    )
+def boundary_of(part: Part, loading: Loading) -> list[list[Stretch]]:
+    """The closed curves around a part, each of stretches that end at corners and where conditions do."""
+    jumps = (hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.outlines)
+    wanted = np.concatenate([loading.ends, *jumps])
     return [
-        _graded(
-            [stretch for piece in ring for stretch in _stretches(piece, part)],
-            mouths,
-            loading,
-            part.tolerance,
-            at_mouth,
-        )
+        _graded([stretch for piece in ring for stretch in _stretches(piece, part)], loading)
         for ring in boundary_pieces(part.body, part.outlines, wanted)
     ]
 
@@ -163,22 +146,17 @@ def _is_singular(one: tuple[bool, bool], other: tuple[bool, bool], turn: float) 
     return one != other and not (square and 1 in (sum(one), sum(other)))
 
 
-def _graded(
-    stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float, at_mouth: float
-) -> list[Stretch]:
+def _graded(stretches: list[Stretch], loading: Loading) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
     acting = [_acting(stretch, loading) for stretch in stretches]
     held = [_held(conditions) for conditions in acting]
-    breaks = np.array(mouths, dtype=complex)
     ends = np.array([0.0, 1.0])
     tangents = [stretch.at(ends)[1] for stretch in stretches]
     grade = []
-    for k, stretch in enumerate(stretches):
+    for k in range(len(stretches)):
         turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
         changes = abs(turn) < SMALLEST_TURN and acting[k] != acting[k - 1]
-        if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
-            grade.append(at_mouth)
-        elif changes:
+        if changes:
             grade.append(CHANGE)
         elif turn < -SMALLEST_TURN:
             grade.append(REENTRANT)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,19 +95,12 @@ class BoundaryEngine:
         self.order, self.crack_order = next(orders for error, orders in ORDERS if tolerance >= error)
         self._last: BoundaryModel | None = None
 
-    def solve(self, part: Part, ahead: Sequence[Array] = ()) -> BoundaryState:
-        """The part with its cracks.
-
-        Parameters
-        ----------
-        part : Part
-        ahead : sequence of ndarray, shape (2,)
-            Where tips will stand after the next increments if they run straight on, mm.
-        """
+    def solve(self, part: Part) -> BoundaryState:
+        """The part with its cracks."""
         if self._last is None:
             self._last = BoundaryModel(
                 part, self.material, self.loading, self.order, self.crack_order, contact=True, grading=COARSE
             )
         else:
-            self._last = self._last.with_cracks_of(part, [complex(*point) for point in ahead])
+            self._last = self._last.with_cracks_of(part)
         return BoundaryState(self._last)

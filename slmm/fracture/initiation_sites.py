@@ -75,7 +75,7 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
 def _may_start(model: BoundaryModel, depth: float) -> NDArray[np.bool_]:
     """Which points (n,) of the boundary are free and beside no mouth of a crack, corner or end of a support."""
     z, body = model.panels.z, model.body
-    free = ~body.held.any(axis=1)
+    free = ~body.known.held.any(axis=1)
     corners = [
         outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in model.part.outlines
     ]
@@ -91,8 +91,12 @@ def _may_start(model: BoundaryModel, depth: float) -> NDArray[np.bool_]:
 def _stress_below(model: BoundaryModel, where: Places, depth: float) -> Array:
     """Principal stress (k,) at a depth below places, MPa."""
     points = where.points + depth * where.inward
-    deep = depth >= BESIDE * model.panels.length.max()
-    return np.asarray(principal_stress(model.stress_inside(points) if deep else model.stress(points)))
+    deep = depth >= BESIDE * model.panel_length(where.points)
+    stress = np.empty((len(points), 3))
+    for these, stress_at in ((deep, model.stress_inside), (~deep, model.stress)):
+        if these.any():
+            stress[these] = stress_at(points[these])
+    return np.asarray(principal_stress(stress))
 
 
 def _along_surfaces(model: BoundaryModel, depth: float, hoop: Array, least: float) -> list[Site]:
@@ -170,7 +174,7 @@ def _at_corners(model: BoundaryModel, depth: float) -> list[Site]:
         ends = model.panels.ends.ravel()
         near = np.abs(z[:, None] - ends).argmin(axis=1)
         on_surface = np.abs(ends[near] - z) <= 2 * model.part.tolerance
-        held = np.asarray(model.body.held.reshape(len(model.panels.ends), -1).any(axis=1))[near // 2]
+        held = np.asarray(model.body.known.held.reshape(len(model.panels.ends), -1).any(axis=1))[near // 2]
         cut = np.array([bool(np.any(np.abs(np.array(model.body.mouths) - at) <= depth)) for at in z])
         here = np.flatnonzero(on_surface & ~held & ~cut)
         if not len(here):

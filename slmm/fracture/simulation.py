@@ -33,8 +33,6 @@ PER_SIDE = 0.025
 MOST_CROSSINGS = 10
 #: places along a straight stretch that tell which pieces it holds or loads; chosen
 MIDDLES = (np.arange(20) + 0.5) / 20
-#: increments for which a body is prepared at once; chosen
-AHEAD = 4
 ENGINES, INITIATIONS = ("boundary",), ("point",)
 
 
@@ -195,7 +193,7 @@ class Simulation:
     def _step(self) -> Outcome | None:
         """Solve, find the next event, and let it happen; how it ended, if it did."""
         history = self.history
-        state = self.engine.solve(self.part, self._ahead())
+        state = self.engine.solve(self.part)
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
         events = state.events()
@@ -235,22 +233,6 @@ class Simulation:
         )
         self.part = grown
         return self._ended() if increment.arrested else None
-
-    def _ahead(self) -> list[Array]:
-        """Where tips stand after the next increments if they run straight on."""
-        found = []
-        for k, line in enumerate(self.part.tips):
-            at, along = line[-1], line[-1] - line[-2]
-            along = along / np.linalg.norm(along)
-            for _ in range(AHEAD):
-                increment = self.surroundings.increment(
-                    self.part, at, along, self.lengths.growth, self.lengths.ahead, self._crack_of(k)
-                )
-                if increment.arrested:
-                    break
-                at = increment.end
-                found.append(at)
-        return found
 
     def _increment(self, event: Event) -> Increment:
         """Where the event's increment ends."""

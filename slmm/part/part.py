@@ -226,6 +226,7 @@ class Part:
         """The part with these cracks alone."""
         points = [np.asarray(line, dtype=float) for line in lines]
         outer = shapely.LinearRing(self.outer)
-        cracked = replace(self, cracks=located(points, self.body, outer, self.outlines, self.tolerance))
+        cracks = located(points, self.body, outer, self.outlines, self.tolerance, self.cracks)
+        cracked = replace(self, cracks=cracks)
         cracked.__dict__["body"] = self.body  # cracks leave it as it is
         return cracked

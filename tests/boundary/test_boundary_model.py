@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slmm.boundary.model import BoundaryModel
-from slmm.boundary.panels import TooManyPointsError
+from slmm.boundary.panelling import TooManyPointsError
 from slmm.boundary.stretches import COARSE
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
