@@ -114,7 +114,7 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
     lines = [line[:, 0] + 1j * line[:, 1] for line in part.crack_lines]
     times = Counter(point for z in lines for point in z.tolist())
     # of each segment, so that one that is folded back is near, too
-    samples = [[_sampled(a, b) for a, b in pairwise(z)] for z in lines]
+    samples = [[_sampled(a, b) for a, b in pairwise(z.tolist())] for z in lines]
     for c, (crack, z) in enumerate(zip(part.cracks, lines, strict=True)):
         others = [piece for k, own in enumerate(samples) if k != c for piece in own]
         at_start = at_end = -1
@@ -216,6 +216,7 @@ def _tip_share(tip: complex, other: complex, grade: float, near: _Near) -> float
     return min(1.0 if grade > 1.0 - ROUND_OFF else AT_TIP, near.longest(np.array([tip])) / abs(other - tip))
 
 
+@lru_cache(maxsize=1024)
 def _sampled(a: complex, b: complex) -> Complex:
-    """Points along a segment."""
+    """Points along a segment; segments stay while cracks grow."""
     return a + np.linspace(0.0, 1.0, 100) * (b - a)

@@ -80,8 +80,11 @@ class Tractions:
         unit = 1j / (self.kappa + 1)
         found = []
         for k, factor in enumerate((unit, np.conj(unit))):
-            at = by_q[k].reshape(len(by_q[k]), -1, p) @ local[:p] + behind[k][:, :, None] * local[p]
+            at = (
+                by_q[k].reshape(len(by_q[k]), len(self._half), p) @ local[:p]
+                + behind[k][:, :, None] * local[p]
+            )
             if by_highest is not None:
                 at += by_highest[k][:, :, None] * highest(p)
-            found.append((factor * self._half * at).reshape(len(at), -1))
+            found.append((factor * self._half * at).reshape(len(at), self.panels.n))
         return Linear(*found)
