@@ -18,6 +18,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
+import itertools
 import resource
 import time
 from collections.abc import Callable
@@ -25,7 +26,7 @@ from collections.abc import Callable
 import numpy as np
 from checks import Check, run, save, show
 
-from slmm.boundary import body
+from slmm.boundary import base_system
 from slmm.boundary.model import BoundaryModel
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
@@ -68,28 +69,27 @@ def plate(count: int, tip: float) -> Part:
 
 def measured(count: int, most: int) -> tuple[Row, np.ndarray]:
     """Times of a plate whose equations are factorised up to so many points, and what is compared."""
-    body.MOST_FACTORISED = most
+    base_system.MOST_FACTORISED = most
     loading = plate_loading(SIDE, SIDE, displacement=0.1)
     part = plate(count, 0.2)
     first, model = least(lambda: solved(BoundaryModel(part, PMMA, loading)))
     compared, again = [model.stress_intensities().ravel(), model.hoop], float("nan")
     if part.cracks:
         x, y = part.cracks[0].points[-1]
-        longer = part.grown(0, (float(x) + STEP * SIDE / np.ceil(np.sqrt(count)), float(y)))
-
-        def increment() -> BoundaryModel:
-            known = model.body.border
-            grown = solved(model.with_cracks_of(longer))
-            model.body.border = known
-            return grown
-
-        again, grown = least(increment, model.body.serves(longer))
+        longer, other = (
+            part.grown(0, (float(x) + step * SIDE / np.ceil(np.sqrt(count)), float(y)))
+            for step in (STEP, 0.99 * STEP)
+        )
+        # in turn, for what is known of an increment is kept
+        turns = itertools.cycle((longer, other))
+        again, _ = least(lambda: solved(model.with_cracks_of(next(turns))), model.body.serves(longer))
+        grown = solved(model.with_cracks_of(longer))
         compared.append(grown.stress_intensities().ravel())
     return {
         "holes": count,
         "panels": len(model.panels.ends) + len(model.cracks.starts if model.cracks else ()),
         "points": model.panels.n,
-        "way": type(model.body.system).__name__,
+        "way": type(model.body.base.solver).__name__,
         "first_s": first,
         "increment_s": again,
         "memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
@@ -123,7 +123,7 @@ def growth(rows: list[Row], key: str) -> float:
 
 def main(quick: bool = False) -> list[Check]:
     """Measure all; see the module."""
-    default = body.MOST_FACTORISED
+    default = base_system.MOST_FACTORISED
     measured(2, default)  # compiles the kernels
     measured(2, 0)
     rows, checks = [], []
@@ -138,7 +138,7 @@ def main(quick: bool = False) -> list[Check]:
             apart = float(np.abs(other - values).max() / np.abs(values).max())
             checks.append(Check(f"{count} holes", "factors against iterations", 1e-6, apart, rule="at most"))
         print(rows[-1])
-    body.MOST_FACTORISED = default
+    base_system.MOST_FACTORISED = default
     by_default = [r for r in rows if (r["way"] == "Factorised") == (int(r["points"]) <= default)]
     checks.append(
         Check(

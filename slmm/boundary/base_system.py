@@ -1,179 +1,131 @@
-"""What solves the equations of a body without cracks: their factors, or iterations where there are too many."""
+"""The solved equations of a body without cracks, and what it causes elsewhere."""
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
-import scipy.linalg as la
 
-from slmm.boundary.densities import parts
+from slmm.boundary.conditions import Known
+from slmm.boundary.densities import Targets, parts
 from slmm.boundary.equations import Equations
-from slmm.boundary.far_field import Clusters
-from slmm.boundary.influence import TWO_PI_I
-from slmm.boundary.near_field import near_field
-from slmm.boundary.recycled import Recycled
+from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex
+from slmm.boundary.solvers import Factorised, Iterative, Solver, WithRigid
+from slmm.mechanics.rigid import free_motions
+from slmm.scene.load_checks import UNBALANCED
 
-#: points up to which all is factorised, and of a block of the iterative solver's preconditioner, at most (chosen by the
-#: time: both take some seconds)
-MOST_FACTORISED, MOST_IN_BLOCK = 2500, 1000
-#: densities that are known: g, q and its jumps
-Known = tuple[Complex, Complex, Complex]
+#: points up to which all is factorised (chosen by the time: both ways take some seconds)
+MOST_FACTORISED = 2500
+#: weights that are computed at once for what is known: 32 MB of each kind (chosen)
+MOST_WEIGHTS = 2_000_000
 
 
-class BaseSystem(Protocol):
-    """Solves for right-hand sides (2 n,) or (2 n, k).
+class BaseSystem:
+    """What is known and unknown on panels, and what solves their equations.
+
+    The unknowns are displacements at the points or, where these are held, tractions, and then by how much rigid bodies
+    on the surface move, mm.
+
+    Parameters
+    ----------
+    panels : Panels
+        Of n points.
+    known : Known
+        What is known at them, with m motions of rigid bodies.
+    kappa : float
+    size : float
+        Of the body, mm; it decides rigid motions alone.
 
     Attributes
     ----------
-    right : ndarray, shape (2 n,)
-        That of what is known.
-    moved : ndarray, shape (2 n, m)
-        What the equations say by motions of rigid bodies.
-    """
-
-    right: Array
-    moved: Array
-
-    def solve(self, right: Array) -> Array:
-        """Solutions of the same shape."""
-
-
-def _hold(equations: Equations, free: Array) -> tuple[Array, Array]:
-    """What the equations add to hold free motions (2 n, k): these, and what of the unknowns feels them (k, 2 n)."""
-    weight = np.repeat(np.abs(equations.panels.dz), 2)
-    return free, (equations.kappa + 1) / weight.sum() * (free * weight[:, None]).T
-
-
-class Factorised:
-    """By the factors of the whole matrix.
-
-    Parameters
-    ----------
     equations : Equations
-    known : Known
-    free : ndarray, shape (2 n, k)
-        Motions that nothing holds.
-    rigid : ndarray, shape (n, m)
-        Those of rigid bodies on the surface, as part of g.
+    acted : ndarray, shape (k,) of int
+        The panels on which tractions act, known or not, or displacements are known.
+    tractions : Tractions
+        On these.
+    solver : Factorised or Iterative
+        With rigid bodies at rest.
+    solution : ndarray, shape (2 n + m,)
+        Unknowns without cracks.
+
+    Raises
+    ------
+    ValueError
+        When the body is free to move and its loads do not balance.
     """
 
-    def __init__(self, equations: Equations, known: Known, free: Array, rigid: Array) -> None:
-        """Assemble and factorise."""
-        matrix, (by_g, by_q, by_jumps) = equations.matrix()
-        g, q, jumps = known
-        self.right = -parts(by_g(g) + by_q(q) + by_jumps(jumps))
-        self.moved = _columns([by_g(motion) for motion in rigid.T], 2 * len(rigid))
-        moves, felt = _hold(equations, free)
-        matrix += moves @ felt
-        self._lu = la.lu_factor(matrix, overwrite_a=True)
-
-    def solve(self, right: Array) -> Array:
-        """Solutions of the same shape as right-hand sides (2 n,) or (2 n, k)."""
-        return la.lu_solve(self._lu, right, check_finite=False)
-
-
-class Iterative:
-    """By iterations, preconditioned by the factors of what each closed curve causes at itself.
-
-    Parameters are those of `Factorised`.
-    """
-
-    def __init__(self, equations: Equations, known: Known, free: Array, rigid: Array) -> None:
-        """Prepare sums and factors of the blocks."""
-        self._equations = equations
-        panels, p = equations.panels, equations.panels.p
-        self._clusters = Clusters(panels.z, panels.dz)
-        self._near = near_field(panels)
-        self._by_jumps = equations.displacement_by_jumps(panels.z)
-        self._of_held, self._spread = equations.unseen
-        self._moves, self._felt = _hold(equations, free)
-        most = max(1, MOST_IN_BLOCK // p)
-        edges = np.flatnonzero(np.diff(panels.contour, prepend=-1, append=-1))
-        rows = [part for of in np.split(np.arange(len(panels.ends)), edges[1:-1]) for part in _cut(of, most)]
-        self._blocks = [self._block(which) for which in rows]
-        g, q, jumps = known
-        self.right = -parts(self._caused(g, q, jumps))
-        none = np.zeros_like(q), np.zeros_like(jumps)
-        self.moved = _columns([self._caused(motion, *none) for motion in rigid.T], 2 * len(rigid))
-        self._system = Recycled(self._image, self._preconditioned)
-
-    def solve(self, right: Array) -> Array:
-        """Solutions of the same shape as right-hand sides (2 n,) or (2 n, k)."""
-        return self._system.solve(right)
-
-    def _caused(self, g: Complex, q: Complex, jumps: Complex) -> Complex:
-        """W less (kappa + 1) g at the points, by densities there."""
-        kappa, h, d = self._equations.kappa, g + q, (self._equations.kappa * q - g).conj()
-        C1, C3 = self._near
-        near = kappa * (C1 @ h) + (C1 @ d).conj() + C3 @ h.conj()
-        far = self._clusters.displacement(h, d, kappa)
-        return (far + near) / TWO_PI_I + self._by_jumps(jumps) - (kappa + 1) * g
-
-    def _image(self, x: Array) -> Array:
-        """The matrix times unknowns (2 n,)."""
-        equations = self._equations
-        held, unit = equations.held, np.array([1, 1j])
-        g = np.where(held, 0.0, x.reshape(-1, 2)) @ unit
-        t = np.where(held, x.reshape(-1, 2), 0.0) @ unit
-        force = t * (1j / (equations.kappa + 1))
-        W = self._caused(g, equations.resultants(force), equations.to_jumps @ force)
-        W += self._of_held(self._spread @ t[equations.held_rows])
-        return parts(W) + self._moves @ (self._felt @ x)
-
-    def _block(self, which: Array) -> tuple[Array, tuple[Array, Array]]:
-        """Numbers of the unknowns of some panels, and the factors of what these cause at themselves."""
-        equations, p = self._equations, self._equations.panels.p
-        points = (which[:, None] * p + np.arange(p)).ravel()
-        unknowns = (2 * points[:, None] + np.arange(2)).ravel()
-        own = Equations(
-            equations.panels.chosen(which), equations.held[points], equations.acted[points], equations.kappa
+    def __init__(self, panels: Panels, known: Known, kappa: float, size: float) -> None:
+        """Assemble and factorise, or prepare iterations."""
+        self.panels, self.kappa = panels, kappa
+        self.equations = Equations(panels, known, kappa, size)
+        self.acted, self.tractions = self.equations.acted, self.equations.tractions
+        weight = np.repeat(np.abs(panels.dz), 2)
+        self._held_by = (kappa + 1) / (4 * size)
+        self._set_motions(
+            free_motions(np.column_stack([panels.z.real, panels.z.imag]), known.held), known, weight
         )
-        matrix, _ = own.matrix()
-        matrix += self._moves[unknowns] @ self._felt[:, unknowns]
-        return unknowns, la.lu_factor(matrix, overwrite_a=True)
+        self.solver: Solver = (Iterative if self.is_iterative else Factorised)(
+            self.equations, self.motions(panels.z), self._felt_motions
+        )
+        here, turns = Targets.on(panels), max(1, panels.n * len(self.equations.points) // MOST_WEIGHTS)
+        places = np.array_split(np.arange(panels.n), turns)
+        given = np.concatenate(
+            [self.equations.given_displacement(Targets(*(v[rows] for v in here))) for rows in places]
+        )
+        self._solver: Solver = self.solver
+        if len(known.resultants):
+            self._solver = WithRigid(self.solver, given[:, 1:], (known.motions * weight[:, None]).T)
+        self.solution = self.solve(np.concatenate([-given[:, 0], known.resultants]))
 
-    def _preconditioned(self, rest: Array) -> Array:
-        result = np.empty_like(rest)
-        for unknowns, lu in self._blocks:
-            result[unknowns] = la.lu_solve(lu, rest[unknowns], check_finite=False)
-        return result
+    @property
+    def is_iterative(self) -> bool:
+        """Whether there are too many points for factors."""
+        return self.panels.n > MOST_FACTORISED
 
-
-class WithRigid:
-    """Rigid bodies on the surface in addition: by how much they move is unknown, the resultants on them are not.
-
-    Parameters
-    ----------
-    held : BaseSystem
-        With these bodies at rest.
-    felt : ndarray, shape (m, 2 n)
-        Resultants by the unknowns.
-    resultants : ndarray, shape (m,)
-        N and N mm, for each mm of thickness.
-    """
-
-    def __init__(self, held: BaseSystem, felt: Array, resultants: Array) -> None:
-        """Solve for what each motion causes."""
-        self._held, self._felt = held, felt
-        self.right, self.moved = np.concatenate([held.right, resultants]), held.moved
-        self._caused = held.solve(held.moved)
-        self._lu = la.lu_factor(felt @ self._caused)
+    @property
+    def unknowns(self) -> int:
+        """At the panels' points, 2 n."""
+        return 2 * self.panels.n
 
     def solve(self, right: Array) -> Array:
-        """Solutions of the same shape as right-hand sides (2 n + m,) or (2 n + m, k)."""
-        n = self._felt.shape[1]
-        at_rest = self._held.solve(right[:n])
-        motion = la.lu_solve(self._lu, self._felt @ at_rest - right[n:], check_finite=False)
-        return np.concatenate([at_rest - self._caused @ motion, motion])
+        """Unknowns for right-hand sides (2 n + m,) or (2 n + m, k), of the same shape."""
+        return self._solver.solve(right)
+
+    def displacement(self, at: Targets) -> tuple[Array, Array]:
+        """The equations at targets (t,) beside its points: by the unknowns (2 t, 2 n + m), and what is known (2 t,)."""
+        rows, given = self.equations.displacement(at), self.equations.given_displacement(at)
+        rows += self.motions(at.z) @ self._felt_motions
+        return np.column_stack([rows, given[:, 1:]]), given[:, 0]
+
+    def traction(self, z: Complex, e: Complex) -> tuple[Array, Array]:
+        """Change of the resultant force along directions e (t,) at points z (t,), in the same way."""
+        rows, given = self.equations.traction(z, e)
+        return np.column_stack([rows, given[:, 1:]]), given[:, 0]
+
+    def _set_motions(self, free: Array, known: Known, weight: Array) -> None:
+        """What the equations add to hold free motions (2 n, k), which forces that balance do not cause."""
+        force = parts(known.t) * weight
+        if np.any(np.abs(free.T @ force) > 2 * UNBALANCED * np.abs(force).sum()):
+            x, y = force.reshape(-1, 2).sum(axis=0)
+            raise ValueError(
+                f"load: the part is free to move, and what acts on it does not balance: forces of ({x:.4g}, {y:.4g}) N "
+                "for each mm of thickness are left, or a moment; prescribe displacements"
+            )
+        self._motions = np.linalg.lstsq(_rigid(self.panels.z), free, rcond=None)[0]
+        self._felt_motions = (self._held_by * free * weight[:, None]).T
+
+    def motions(self, z: Complex) -> Array:
+        """Free motions (2 t, k) at points (t,)."""
+        return _rigid(z) @ self._motions
+
+    def motions_felt(self, panels: Panels) -> Array:
+        """How much the displacements on other panels of m points are each of these motions, (k, 2 m)."""
+        weight = np.repeat(np.abs(panels.dz), 2)
+        return (self._held_by * self.motions(panels.z) * weight[:, None]).T
 
 
-def _columns(values: list[Complex], rows: int) -> Array:
-    """Real and imaginary parts (rows, m) of m complex vectors."""
-    return np.array([parts(value) for value in values]).reshape(-1, rows).T
-
-
-def _cut(which: Array, most: int) -> list[Array]:
-    """Panels that follow each other, in as few runs of about the same length as are no longer than the most."""
-    return np.array_split(which, -(-len(which) // most))
+def _rigid(z: Complex) -> Array:
+    """Motions along x and y and a turn, at points (t,); (2 t, 3)."""
+    result = np.zeros((len(z), 2, 3))
+    result[:, 0, 0] = result[:, 1, 1] = 1.0
+    result[:, 0, 2], result[:, 1, 2] = -z.imag, z.real
+    return result.reshape(-1, 3)

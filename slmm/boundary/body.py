@@ -1,33 +1,35 @@
-"""The body without its cracks: panels, what is known at them, and the factorised base system."""
+"""The body without its cracks: its panels, and the factorised system that serves them."""
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.boundary.base_system import MOST_FACTORISED, BaseSystem, Factorised, Iterative, WithRigid
-from slmm.boundary.densities import parts
-from slmm.boundary.elimination import Border
-from slmm.boundary.equations import Equations
-from slmm.boundary.panels import panelled
-from slmm.boundary.rules import Array
-from slmm.boundary.stretches import FINE, MouthGrading, boundary_of
+from slmm.boundary.base_system import BaseSystem
+from slmm.boundary.border import Border
+from slmm.boundary.conditions import known_at
+from slmm.boundary.panelling import Panelling
+from slmm.boundary.panels import Panels
+from slmm.boundary.rules import Array, Complex
+from slmm.boundary.stretches import FINE, Grading, boundary_of
 from slmm.mechanics.material import Material
-from slmm.mechanics.rigid import free_motions
 from slmm.mechanics.stress import kolosov, shear_modulus
 from slmm.part.part import Part
-from slmm.scene.load_checks import UNBALANCED
-from slmm.scene.loading import Condition, Loading
+from slmm.scene.loading import Loading
 
-#: a crack may grow towards a surface until panels there are so many times as long as its tip is away; those that are
-#: made for a tip are no longer than that distance (chosen)
+#: unknowns of changed panels over those of the factorised ones, beyond which all is factorised anew; chosen by the time
+MOST_CHANGED = 1.0
+#: where all is iterated a crack may grow towards a surface until panels there are so many times as long as its tip asks
+#: for (chosen)
 TOO_NEAR = 1.5
 
 
-class Body(Equations):
-    """A part's outlines, with panels that end at the mouths of its cracks; it serves as long as these stay.
+class Body:
+    """A part's outlines, with panels that end at the mouths of its cracks.
 
     Parameters
     ----------
@@ -37,23 +39,21 @@ class Body(Equations):
     loading : Loading
     p : int
         Gauss points on each panel.
-    grading : MouthGrading
+    grading : Grading
     ahead : sequence of complex
         Where tips may come to be, mm: panels are as short as these ask for, too.
 
     Attributes
     ----------
     panels : Panels
-    known_t, known_q, known_jumps : ndarray, shape (n,), (n,), (c,)
-        Tractions that are given, MPa, their resultants over kappa + 1, and those of the c closed curves.
-    system : BaseSystem
-        What solves for them.
-    rigid : ndarray, shape (n, m)
-        What the m free motions of rigid bodies on the surface are, each by 1 mm, as part of g.
-    solution : ndarray, shape (2 n + m,)
-        Unknowns without cracks: at the points, and by how much rigid bodies move, mm.
+    base : BaseSystem
+        The factorised system of these panels, or of those before some of them were divided.
     border : Border
-        What panels of cracks do to the base system and feel of it, of the cracks that were seen last.
+        What divided panels and cracks do to the base system and feel of it, of those that were seen last.
+    of_base : ndarray, shape (m,) of int
+        Which panel of the base system each one is, -1 for none.
+    removed : ndarray, shape (k,) of int
+        Panels of the base system that are divided.
     """
 
     def __init__(
@@ -62,86 +62,93 @@ class Body(Equations):
         material: Material,
         loading: Loading,
         p: int,
-        grading: MouthGrading = FINE,
+        grading: Grading = FINE,
         ahead: Sequence[complex] = (),
     ) -> None:
         """Assemble and factorise."""
         check_in_one_piece(part)
         E, nu = material.plane_stress_equivalent
-        self.part, self.loading, self.material, self.p, self.grading = part, loading, material, p, grading
+        self.loading, self.material, self.p, self.grading = loading, material, p, grading
         self.E, self.nu, self.mu, self.kappa = E, nu, shear_modulus(E, nu), kolosov(nu)
         self.scale = (self.kappa + 1) / (2 * self.mu)
-        self.mouths = mouths_of(part)
-        self.panels = panelled(
-            boundary_of(part, self.mouths, loading, grading.side), part, [*tips_of(part), *ahead], p
-        )
-        self._set_conditions()
-        self.border = Border.none(2 * self.panels.n + self.rigid.shape[1])
-        self._solve()
+        self.part, self.mouths = part, mouths_of(part)
+        side = float(np.ptp(part.outer, axis=0).min())
+        curves = Panelling(boundary_of(part, loading), side, part.tolerance, grading)
+        self._curves = curves.with_mouths(self.mouths)
+        tips = np.concatenate([tips_of(part), np.array(ahead, dtype=complex)])
+        self._take(self._curves.divided(curves.first(p), tips))
+        self.base = BaseSystem(self.panels, self.known, self.kappa, float(np.ptp(part.outer, axis=0).max()))
+        self.border = Border(self.base)
+        self.of_base, self.removed = np.arange(len(self.panels.intervals)), np.empty(0, dtype=int)
+
+    def _take(self, panels: Panels) -> None:
+        self.panels = panels
+        self.known = known_at(panels, self.loading, self.scale)
 
     def serves(self, part: Part) -> bool:
         """Whether a part with other cracks has the same outlines and mouths, and no tip too near a surface."""
-        same = part.holes is self.part.holes and part.outer is self.part.outer
-        if not same or mouths_of(part) != self.mouths:
+        if not self._is_around(part) or set(mouths_of(part)) != set(self.mouths):
             return False
         ends = self.panels.z.reshape(-1, self.p)
         length = self.panels.length
-        return all((np.abs(ends - tip).min(axis=1) * TOO_NEAR >= length).all() for tip in tips_of(part))
+        # where all is iterated another body is dear
+        nearness = self.grading.tip * (TOO_NEAR if self.base.is_iterative else 1.0)
+        return all((np.abs(ends - tip).min(axis=1) * nearness >= length).all() for tip in tips_of(part))
 
-    def _set_conditions(self) -> None:
-        """What is known at every point: displacements as part of g, and tractions."""
-        panels, n = self.panels, self.panels.n
-        held = np.zeros((n, 2), dtype=bool)
-        known, traction = np.zeros((n, 2)), np.zeros((n, 2))
-        points = np.column_stack([panels.z.real, panels.z.imag])
-        self.of_condition: dict[Condition, NDArray[np.bool_]] = {}
-        for condition in self.loading:
-            on = condition.on(points)
-            self.of_condition[condition] = on
-            for i, component in enumerate(condition.displacement):
-                if component is not None:
-                    held[on, i] = True
-                    known[on, i] = component(points[on]) * 2 * self.mu / (self.kappa + 1)
-            outward = np.column_stack([panels.tangent.imag, -panels.tangent.real])[on]
-            traction[on] += condition.tractions(outward)
-        bodies = [np.zeros((n, 2, 0))]
-        for body in self.loading.stiff:
-            on = np.any([self.of_condition[c] for c in self.loading if c.stiff is body], axis=0)
-            bodies.append(np.where(on[:, None, None], body.motions(points), 0.0))
-        self._motions = np.concatenate(bodies, axis=2)
-        self.rigid = np.einsum("nim,i->nm", self._motions, [1, 1j]) * 2 * self.mu / (self.kappa + 1)
-        traction[held] = 0.0
-        self.known_g = known @ [1, 1j]
-        self.known_t = traction @ [1, 1j]
-        Equations.__init__(self, panels, held, held.any(axis=1) | (self.known_t != 0), self.kappa)
+    def _is_around(self, part: Part) -> bool:
+        return part.holes is self.part.holes and part.outer is self.part.outer
 
-    def _solve(self) -> None:
-        """The base system, by its factors or iteratively, and its solution."""
-        unit = 1j / (self.kappa + 1)
-        self.known_q = self.resultants(self.known_t * unit)
-        self.known_jumps = self.to_jumps @ (self.known_t * unit)
-        points = np.column_stack([self.panels.z.real, self.panels.z.imag])
-        free = free_motions(points, self.held)
-        weight = np.repeat(np.abs(self.panels.dz), 2)
-        self._check_balance(free, weight)
-        known = self.known_g, self.known_q, self.known_jumps
-        kind = Factorised if self.panels.n <= MOST_FACTORISED else Iterative
-        self.system: BaseSystem = kind(self, known, free, self.rigid)
-        if self.rigid.shape[1]:
-            felt = self._motions.reshape(len(weight), -1) * weight[:, None]
-            resultants = np.concatenate([body.resultants for body in self.loading.stiff])
-            self.system = WithRigid(self.system, felt.T, resultants)
-        self.solution = self.system.solve(self.system.right)
+    def divided(self, part: Part, ahead: Sequence[complex] = ()) -> Body:
+        """One that serves a part with other cracks: panels are divided where these ask for it, the others stay.
 
-    def _check_balance(self, free: Array, weight: Array) -> None:
-        """Refuse forces that do work on motions that nothing holds."""
-        force = parts(self.known_t) * weight
-        if np.any(np.abs(free.T @ force) > 2 * UNBALANCED * np.abs(force).sum()):
-            x, y = force.reshape(-1, 2).sum(axis=0)
-            raise ValueError(
-                f"load: the part is free to move, and what acts on it does not balance: forces of ({x:.4g}, {y:.4g}) N "
-                "for each mm of thickness are left, or a moment; prescribe displacements"
-            )
+        All are factorised anew where too many have changed, or those on which anything is held or acts, and there are
+        other iterations where all is iterated.
+
+        Parameters
+        ----------
+        part : Part
+        ahead : sequence of complex
+            Where tips may come to be, mm.
+        """
+        mouths = mouths_of(part)
+        if self._is_around(part) and set(mouths) >= set(self.mouths) and not self.base.is_iterative:
+            check_in_one_piece(part)
+            body = copy.copy(self)
+            body.part, body.mouths = part, mouths
+            body.__dict__.pop("acted_points", None)
+            body._curves = self._curves.with_mouths([z for z in mouths if z not in self.mouths])
+            tips = np.concatenate([tips_of(part), np.array(ahead, dtype=complex)])
+            body._take(body._curves.divided(self.panels, tips))
+            place = {interval.key: k for k, interval in enumerate(self.base.panels.intervals)}
+            of_base = [place.get(interval.key, -1) for interval in body.panels.intervals]
+            body.of_base = np.array(of_base)
+            body.removed = np.setdiff1d(np.arange(len(place)), body.of_base)
+            changed = len(body.removed) + np.count_nonzero(body.of_base < 0)
+            if not np.isin(body.removed, self.base.acted).any() and changed <= MOST_CHANGED * len(place):
+                return body
+        return Body(part, self.material, self.loading, self.p, self.grading, ahead)
+
+    @cached_property
+    def acted_points(self) -> NDArray[np.int64]:
+        """Points (h,) on panels with tractions, in the order of `base`."""
+        place = np.empty(len(self.base.panels.intervals), dtype=int)
+        place[self.of_base[self.of_base >= 0]] = np.flatnonzero(self.of_base >= 0)
+        return np.asarray((place[self.base.acted][:, None] * self.p + np.arange(self.p)).ravel())
+
+    def resultants(self, t: Complex) -> tuple[Complex, Complex]:
+        """Resultants of tractions (n,) along each panel (n,), over kappa + 1, and behind those of `base.acted`."""
+        q = np.zeros(len(t), dtype=complex)
+        q[self.acted_points], behind = self.base.tractions.resultants(t[self.acted_points])
+        return q, behind
+
+    def unknowns(self, solution: Array, of_divided: Array) -> Array:
+        """Unknowns (2 n + m,) from those of the base system and of the panels that are none of its own, in turn."""
+        result = np.empty((len(self.of_base), 2 * self.p))
+        stays = self.of_base >= 0
+        at_points, motions = np.split(solution, [self.base.unknowns])
+        result[stays] = at_points.reshape(-1, 2 * self.p)[self.of_base[stays]]
+        result[~stays] = of_divided.reshape(-1, 2 * self.p)
+        return np.concatenate([result.ravel(), motions])
 
 
 def mouths_of(part: Part) -> list[complex]:
@@ -154,9 +161,9 @@ def mouths_of(part: Part) -> list[complex]:
     ]
 
 
-def tips_of(part: Part) -> list[complex]:
+def tips_of(part: Part) -> Complex:
     """Where cracks have tips."""
-    return [complex(*line[-1]) for line in part.tips]
+    return np.array([complex(*line[-1]) for line in part.tips], dtype=complex)
 
 
 def check_in_one_piece(part: Part) -> None:

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
@@ -61,6 +62,11 @@ class CrackPanels(NamedTuple):
         """Unit vectors (m,)."""
         along = self.ends - self.starts
         return along / np.abs(along)
+
+    def chosen(self, rows: NDArray[np.int64]) -> CrackPanels:
+        """Some of them."""
+        z = self.z.reshape(-1, self.p)[rows].ravel()
+        return CrackPanels(self.p, self.starts[rows], self.ends[rows], self.is_tip[rows], self.tip[rows], z)
 
 
 @lru_cache
@@ -239,6 +245,17 @@ class _NearSegment(NamedTuple):
             PER_DISTANCE * float(np.abs(z[:, None] - self.surfaces).min(initial=np.inf)),
             PER_CRACK * float(to_cracks.min(initial=np.inf)),
         )
+
+
+@njit(cache=True)
+def _nearest(z, those):
+    """The least distance of points (k,) from others (n,)."""
+    least = np.inf
+    for i in range(len(z)):
+        for k in range(len(those)):
+            x, y = z[i].real - those[k].real, z[i].imag - those[k].imag
+            least = min(least, x * x + y * y)
+    return np.sqrt(least)
 
 
 def _segment(

@@ -7,12 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.boundary.crack_influence import crack_weights
 from slmm.boundary.crack_panels import CrackPanels, straight_rule, tip_rule
 from slmm.boundary.influence import (
     TWO_PI_I,
     boundary_displacement,
     boundary_stress,
-    crack_weights,
+    displacement_matrix,
     of_highest,
 )
 from slmm.boundary.panels import Panels
@@ -43,11 +44,46 @@ class Linear(NamedTuple):
         return result.reshape(2 * t, 2 * n)
 
 
-def weights_of_boundary(panels: Panels, targets: Complex, own: NDArray[np.int64]) -> tuple[Complex, Complex]:
-    """Weights (t, n) of C1 and C3 at targets (t,); ``own`` (t,) are numbers of points, -1 beside them."""
+class Targets(NamedTuple):
+    """Where something is caused.
+
+    Attributes
+    ----------
+    z : ndarray, shape (t,)
+        mm.
+    own : ndarray, shape (t,) of int
+        Number of a target's own point among those of the panels that cause it, -1 for none.
+    curve : ndarray, shape (t,) of int
+        The smooth curve that it lies on, -1 beside the boundary.
+    """
+
+    z: Complex
+    own: NDArray[np.int64]
+    curve: NDArray[np.int64]
+
+    @classmethod
+    def beside(cls, z: Complex) -> Targets:
+        """Points (t,) that are none of the boundary."""
+        nowhere = np.full(len(z), -1)
+        return cls(z, nowhere, nowhere)
+
+    @classmethod
+    def on(cls, panels: Panels) -> Targets:
+        """All points of panels, by what these cause themselves."""
+        return cls(panels.z, np.arange(panels.n), np.repeat(panels.smooth, panels.p))
+
+    def of(self, rows: NDArray[np.int64], p: int) -> Targets:
+        """The same by what some panels alone cause, with p points on each."""
+        place = np.full(max(int(self.own.max(initial=-1)) // p, int(rows.max(initial=-1))) + 2, -1)
+        place[rows] = np.arange(len(rows))
+        on = place[self.own // p]  # of -1 the last one
+        return Targets(self.z, np.where(on < 0, -1, on * p + self.own % p), self.curve)
+
+
+def weights_of_boundary(panels: Panels, at: Targets) -> tuple[Complex, Complex]:
+    """Weights (t, n) in C1 and C3."""
     C1, C3 = boundary_displacement(
-        targets,
-        own,
+        *at,
         panels.p,
         panels.z,
         panels.dz,
@@ -65,38 +101,37 @@ def weights_of_boundary(panels: Panels, targets: Complex, own: NDArray[np.int64]
     return C1, C3
 
 
-def displacement_of_boundary(
-    panels: Panels, kappa: float, targets: Complex, own: NDArray[np.int64]
-) -> tuple[Linear, Linear]:
-    """W at targets (t,) by the boundary's g, and by its q; ``own`` as of `weights_of_boundary`."""
-    C1, C3 = weights_of_boundary(panels, targets, own)
+def displacement_by_g(panels: Panels, kappa: float, at: Targets) -> Array:
+    """W at targets by the boundary's g as a real matrix (2 t, 2 n), see `Linear.real`."""
+    return np.asarray(displacement_matrix(*weights_of_boundary(panels, at), kappa))
+
+
+def displacement_of_boundary(panels: Panels, kappa: float, at: Targets) -> tuple[Linear, Linear]:
+    """W at targets (t,) by the boundary's g, and by its q."""
+    C1, C3 = weights_of_boundary(panels, at)
     C3 /= TWO_PI_I
     return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, C3), Linear(2 * kappa * C1.real / TWO_PI_I, C3)
 
 
-def displacement_of_highest(
-    panels: Panels, kappa: float, which: NDArray[np.int64], targets: Complex, own: NDArray[np.int64]
-) -> Linear:
-    """W at targets (t,), on panels ``own``, by a q that is P_p on each of the panels ``which`` (m,)."""
-    place = np.full(len(panels.ends) + 1, -1)
-    place[which] = np.arange(len(which))
+def displacement_of_highest(panels: Panels, kappa: float, at: Targets) -> Linear:
+    """W at targets (t,) by a q that is P_p on each panel; (t, m)."""
     C1, C3 = of_highest(
-        targets,
-        place[own],
+        at.z,
+        at.own // panels.p,
         panels.p,
-        panels.ends[which],
-        panels.straight[which],
-        panels.fine[which],
-        panels.fine_tangent[which],
-        panels.length[which],
-        panels.fine_inverse[which],
+        panels.ends,
+        panels.straight,
+        panels.fine,
+        panels.fine_tangent,
+        panels.length,
+        panels.fine_inverse,
         *highest_rule(panels.p),
     )
     return Linear(2 * kappa * C1.real / TWO_PI_I, C3 / TWO_PI_I)
 
 
 def displacement_of_jumps(kappa: float, at: Complex, size: float, targets: Complex) -> Linear:
-    """W at targets (t,) by what q is short of after each closed curve that begins ``at`` (c,): the force on it.
+    """W at targets (t,) by what q is short of behind each place ``at`` (c,): the force before it.
 
     A rigid motion aside, which ``size`` decides, and which has no part in forces that balance.
     """

@@ -1,118 +1,178 @@
-"""Cracks as a border to a factorised body: what their panels do to it and feel of it, kept while cracks grow.
-
-With the body's unknowns x and the jumps c on cracks, A x + B c = b and R x + D c = -t, so that
-(D - R A^-1 B) c = -t - R A^-1 b. When cracks grow, most of their panels stay, and with them their rows and columns.
-"""
+"""Cracks and divided panels of a body as a border of its factorised system."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import scipy.linalg as la
 from numpy.typing import NDArray
 
+from slmm.boundary.border import Kind, Member
 from slmm.boundary.crack_panels import CrackPanels
-from slmm.boundary.densities import of_cracks, parts, stress_of_boundary, stress_of_jumps, traction_of
-from slmm.boundary.rules import Array
+from slmm.boundary.densities import (
+    Targets,
+    displacement_by_g,
+    of_cracks,
+    stress_of_boundary,
+    traction_of,
+)
+from slmm.boundary.panels import Panels
+from slmm.boundary.rules import Array, Complex
 
 if TYPE_CHECKING:
     from slmm.boundary.body import Body
 
-#: where a panel of a crack is: start, end, and whether that is a tip
-Key = tuple[complex, complex, bool]
+Rows = NDArray[np.int64]
 
 
-class Border(NamedTuple):
-    """Rows and columns of cracks, panel by panel, real and imaginary parts in turn.
+class Eliminated(NamedTuple):
+    """Where unknowns of a border stand.
 
     Attributes
     ----------
-    keys : list of Key
-        The panels.
-    columns : ndarray, shape (m, unknowns of the body)
-        A^-1 B, transposed.
-    rows : ndarray, shape (m, unknowns of the body)
-        R.
-    traction : ndarray, shape (m,)
-        What the body without cracks causes on them: t + R A^-1 b.
-    matrix : ndarray, shape (m, m)
-        D - R A^-1 B.
+    panels, cracks : ndarray of int
+        Of the panels in place of divided ones, and of the cracks, in their order.
     """
 
-    keys: list[Key]
-    columns: Array
-    rows: Array
-    traction: Array
-    matrix: Array
-
-    @classmethod
-    def none(cls, unknowns: int) -> Border:
-        """Of a body without cracks."""
-        empty = np.empty((0, unknowns))
-        return cls([], empty, empty, np.empty(0), np.empty((0, 0)))
+    panels: Rows
+    cracks: Rows
 
 
-def keys_of(cracks: CrackPanels) -> list[Key]:
-    """Where the panels are."""
-    return list(zip(cracks.starts.tolist(), cracks.ends.tolist(), cracks.is_tip.tolist(), strict=True))
+class _Sources(NamedTuple):
+    """Members of one kind: their panels, which of all these they are, and their rows."""
+
+    panels: Panels | CrackPanels
+    which: Rows
+    rows: Rows
 
 
-def bordered(body: Body, cracks: CrackPanels, known: Border) -> Border:
-    """The border of a body for cracks, of which some panels are known."""
-    keys, width = keys_of(cracks), 2 * cracks.p
-    place = {key: k for k, key in enumerate(known.keys)}
-    kept = np.array([k for k, key in enumerate(keys) if key in place], dtype=int)
-    from_known = np.array([place[keys[k]] for k in kept.tolist()], dtype=int)
-    new = np.array([k for k, key in enumerate(keys) if key not in place], dtype=int)
-    m, n = width * len(keys), known.columns.shape[1]
-    to, of, fresh = (_spread(which, width) for which in (kept, from_known, new))
-    columns, rows, traction, matrix = np.empty((m, n)), np.empty((m, n)), np.empty(m), np.empty((m, m))
-    columns[to], rows[to], traction[to] = known.columns[of], known.rows[of], known.traction[of]
-    matrix[np.ix_(to, to)] = known.matrix[np.ix_(of, of)]
-    if len(new):
-        panels = _chosen(cracks, new)
-        columns[fresh], rows[fresh], traction[fresh] = _of_new(body, panels)
-        e, p = np.repeat(cracks.direction, cracks.p), cracks.p
-        own = of_cracks(cracks, panels.z, np.repeat(new, p))
-        felt = traction_of(own.P, own.Q, -1.0, np.repeat(panels.direction, p)).real()
-        matrix[fresh] = felt - rows[fresh] @ columns.T
-        if len(kept):
-            points = _spread(kept, p)
-            done = of_cracks(panels, cracks.z[points], np.full(len(points), -1))
-            caused = traction_of(done.P, done.Q, -1.0, e[points]).real()
-            matrix[np.ix_(to, fresh)] = caused - rows[to] @ columns[fresh].T
-    return Border(keys, columns, rows, traction, matrix)
+def eliminated(body: Body, cracks: CrackPanels | None) -> Eliminated:
+    """Bring a body's border up to what divided panels and cracks ask for; only new ones are computed."""
+    base, border = body.base, body.border
+    outside = body.panels.chosen(np.flatnonzero(body.of_base < 0))
+    divided = [Member(Kind.DIVIDED, (k,), 2 * body.p) for k in body.removed.tolist()]
+    panels = [Member(Kind.PANEL, interval.key, 2 * body.p) for interval in outside.intervals]
+    along = [] if cracks is None else _members(cracks)
+    new = border.keep([*divided, *panels, *along])
+    if new:
+        old, n = len(border.right), len(base.solution)
+        places = _Places(border.members, new)
+        m = places.size - old
+        B, rows, right = np.zeros((n, m), order="F"), np.zeros((m, n)), np.zeros(m)
+        corner, felt = np.zeros((m, old + m)), np.zeros((old, m))
+        added = set(new)
+        for k, member in enumerate(divided):
+            if member in added:
+                unknowns = body.removed[k] * member.width + np.arange(member.width)
+                own = places.of([member]) - old
+                B[unknowns, own] = rows[own, unknowns] = 1.0
+        fresh: list[_Sources] = []
+        stays: list[_Sources] = []
+        for members, source in ((panels, outside), (along, cracks)):
+            is_new = np.array([member in added for member in members], dtype=bool)
+            for found, which in ((fresh, np.flatnonzero(is_new)), (stays, np.flatnonzero(~is_new))):
+                if len(which):
+                    assert source is not None
+                    chosen = source.chosen(which)
+                    found.append(_Sources(chosen, which, places.of([members[k] for k in which.tolist()])))
+        for one in fresh:
+            own = one.rows - old
+            if isinstance(one.panels, Panels):
+                B[: base.unknowns, own], rows[own], right[own] = _of_panels(body, one.panels)
+            else:
+                B[: base.unknowns, own], rows[own], right[own] = _of_cracks(body, one.panels)
+            for by in (*fresh, *stays):
+                corner[np.ix_(own, by.rows)] = _direct(body, one, by)
+            for target in stays:
+                felt[np.ix_(target.rows, own)] = _direct(body, target, one)
+        columns = base.solve(B).T
+        border.extend(new, columns, rows, right - rows @ base.solution, corner, felt)
+    places = _Places(border.members, [])
+    return Eliminated(places.of(panels), places.of(along))
 
 
-def jumps(border: Border) -> Array:
-    """The jumps (m,) on the cracks."""
-    lu = la.lu_factor(border.matrix, check_finite=False)
-    return np.asarray(la.lu_solve(lu, -border.traction, check_finite=False))
+class _Places:
+    """Where the rows of members stand."""
+
+    def __init__(self, members: list[Member], more: list[Member]) -> None:
+        self.size, self._spans = 0, {}
+        for member in (*members, *more):
+            self._spans[member] = np.arange(self.size, self.size + member.width)
+            self.size += member.width
+
+    def of(self, members: list[Member]) -> Rows:
+        return np.concatenate([self._spans[member] for member in members] or [np.empty(0, dtype=int)])
 
 
-def _spread(which: NDArray[np.int64], width: int) -> NDArray[np.int64]:
-    """Numbers of rows from those of panels."""
-    return np.asarray((which[:, None] * width + np.arange(width)).ravel())
+def _members(cracks: CrackPanels) -> list[Member]:
+    keys = zip(cracks.starts.tolist(), cracks.ends.tolist(), strict=True)
+    return [
+        Member(Kind.TIP if tip else Kind.CRACK, key, 2 * cracks.p)
+        for key, tip in zip(keys, cracks.is_tip.tolist(), strict=True)
+    ]
 
 
-def _chosen(cracks: CrackPanels, which: NDArray[np.int64]) -> CrackPanels:
-    z = cracks.z.reshape(-1, cracks.p)[which].ravel()
-    return CrackPanels(
-        cracks.p, cracks.starts[which], cracks.ends[which], cracks.is_tip[which], cracks.tip[which], z
+def _of_panels(body: Body, panels: Panels) -> tuple[Array, Array, Array]:
+    """Columns (2 n, k), rows (k, 2 n + m) and right-hand sides (k,) of panels that the base system has not.
+
+    They add nothing to the resultants on its m motions of rigid bodies.
+    """
+    base = body.base
+    there = Targets.on(base.panels)._replace(own=np.full(base.panels.n, -1))
+    B = displacement_by_g(panels, body.kappa, there)
+    B += base.motions(base.panels.z) @ base.motions_felt(panels)
+    here = Targets.on(panels)._replace(own=np.full(panels.n, -1))
+    rows, known = base.displacement(here)
+    none = _overlap(base.panels, panels)
+    B[none] = 0.0
+    rows[:, : base.unknowns][none.T] = 0.0
+    return B, rows, -known
+
+
+def _overlap(old: Panels, new: Panels) -> NDArray[np.bool_]:
+    """Which unknowns (2 n,) of panels lie on the same piece of a curve as which (k,) of new ones; (2 n, k).
+
+    These never act on each other: where a new panel is, the one that it is part of is divided.
+    """
+    (smooth, low, high), (of, begin, end) = (
+        np.array([interval.key for interval in panels.intervals]).T for panels in (old, new)
     )
+    same = (smooth[:, None] == of) & (low[:, None] < end) & (begin < high[:, None])
+    width = 2 * old.p
+    return np.repeat(np.repeat(same, width, axis=0), width, axis=1)
 
 
-def _of_new(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
-    """Columns, rows and tractions of panels."""
-    z, e = cracks.z, np.repeat(cracks.direction, cracks.p)
-    caused = of_cracks(cracks, body.panels.z, np.full(body.panels.n, -1)).displacement(body.kappa).real()
-    # cracks add nothing to the resultants on rigid bodies
-    columns = body.system.solve(np.pad(caused, ((0, body.rigid.shape[1]), (0, 0)))).T
-    P, Q = stress_of_boundary(body.panels, z)
-    by_g, by_q = (traction_of(P, Q, S, e) for S in (-1.0, body.kappa))
-    by_jumps = traction_of(*stress_of_jumps(body.begins, z), body.kappa, e)
-    rows = body.in_unknowns(by_g, body.by_tractions(by_q, by_jumps))
-    rows = np.column_stack([rows, *(parts(by_g(motion)) for motion in body.rigid.T)])
-    known = parts(by_g(body.known_g) + by_q(body.known_q) + by_jumps(body.known_jumps))
-    return columns, rows, known + rows @ body.solution
+def _of_cracks(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
+    """The same of panels of cracks."""
+    z = body.base.panels.z
+    B = of_cracks(cracks, z, np.full(len(z), -1)).displacement(body.kappa).real()
+    rows, known = body.base.traction(cracks.z, np.repeat(cracks.direction, cracks.p))
+    return B, rows, -known
+
+
+def _direct(body: Body, target: _Sources, source: _Sources) -> Array:
+    """What members cause at members, without the base system; (2 t, 2 s)."""
+    of, by = target.panels, source.panels
+    p = of.p
+    place = np.full(max(target.which.max(), source.which.max()) + 1, -1)
+    place[source.which] = np.arange(len(source.which))
+    same = isinstance(of, Panels) == isinstance(by, Panels)
+    on = np.repeat(place[target.which], p) if same else np.full(len(of.z), -1)
+    if isinstance(by, CrackPanels):
+        caused = of_cracks(by, of.z, on)
+        if isinstance(of, CrackPanels):
+            return traction_of(caused.P, caused.Q, -1.0, _directions(of)).real()
+        return caused.displacement(body.kappa).real()
+    if isinstance(of, CrackPanels):
+        return traction_of(*stress_of_boundary(by, of.z), -1.0, _directions(of)).real()
+    own = np.where(on < 0, -1, on * p + np.tile(np.arange(p), len(target.which)))
+    W = displacement_by_g(by, body.kappa, Targets(of.z, own, np.repeat(of.smooth, p)))
+    W += body.base.motions(of.z) @ body.base.motions_felt(by)
+    there = np.flatnonzero(own >= 0)
+    for part in (0, 1):
+        W[2 * there + part, 2 * own[there] + part] -= body.kappa + 1
+    return W
+
+
+def _directions(cracks: CrackPanels) -> Complex:
+    return np.repeat(cracks.direction, cracks.p)

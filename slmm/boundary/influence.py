@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from slmm.boundary.moments import chord_log, is_far, line_log, moments
+from slmm.boundary.moments import chord_log, is_beyond, is_far, line_log, moments
 
 TWO_PI_I = 2j * np.pi
 #: neighbouring panels of one smooth curve so near, in panel lengths, see each other through a smooth kernel
@@ -59,13 +59,101 @@ def panel_log(zeta, fine, on_panel):
     return log + 2j * np.pi * _between(zeta, fine)
 
 
+@njit(cache=True, error_model="numpy")
+def _far_displacement(target, z, dz, C1, C3):
+    """C1 and C3 of a panel's points by the plain Gauss rule."""
+    for j in range(len(z)):
+        x, y = z[j].real - target.real, z[j].imag - target.imag
+        step = dz[j]
+        r = 1.0 / (x * x + y * y)
+        u = complex(x * r, y * r)
+        C1[j] = complex((step.real * x + step.imag * y) * r, (step.imag * x - step.real * y) * r)
+        # gap over its conjugate
+        turn = complex((x * x - y * y) * r, 2 * x * y * r)
+        C3[j] = u * (step - step.conjugate() * turn)
+
+
 @njit(cache=True)
+def _straight_displacement(target, on_panel, middle, half, inverse, I, C1, C3):
+    """C1 and C3 of a straight panel for a target near or on it."""
+    p = len(C1)
+    zeta = (target - middle) / half
+    log = complex(line_log(zeta.real), np.pi) if on_panel else chord_log(zeta)
+    moments(zeta, log, 1, I[:, :p])
+    rho = np.conj(half) / half
+    delta = 0.0j
+    if not on_panel:
+        delta = rho * (target - middle) - np.conj(target - middle)
+    share = delta / rho
+    for j in range(p):
+        one, two = 0.0j, 0.0j
+        for n in range(p):
+            one += I[0, n] * inverse[n, j]
+            two += I[1, n] * inverse[n, j]
+        C1[j] = one
+        C3[j] = share * np.conj(two / half)
+
+
+@njit(cache=True)
+def _along_displacement(target, here, middle, half, log, z, dz, tangent, curvature, inverse, I, C1, C3):
+    """C1 and C3 of a panel for a target on the same smooth curve, which may be its point ``here``."""
+    p = len(C1)
+    moments((target - middle) / half, log, 0, I[:, :p])
+    _far_displacement(target, z, dz, C1, C3)
+    for j in range(p):
+        one = 0.0j
+        for n in range(p):
+            one += I[0, n] * inverse[n, j]
+        C1[j] = one
+    if here >= 0:
+        direction = tangent[here]
+        C3[here] = direction / np.conj(direction) * 1j * curvature[here] * abs(dz[here])
+
+
+@njit(cache=True)
+def _curved_displacement(target, middle, half, log, fine, chi, inverse, up, I, first, second, C1, C3):
+    """C1 and C3 of a curved panel for a target beside its curve, by twice as many points."""
+    p, q = len(C1), len(fine)
+    moments((target - middle) / half, log, 1, I)
+    for j in range(q):
+        one, two = 0.0j, 0.0j
+        for n in range(q):
+            one += I[0, n] * inverse[n, j]
+            two += I[1, n] * inverse[n, j]
+        first[j] = one
+        second[j] = chi[j] * one - np.conj(fine[j] - target) * two / half
+    for j in range(p):
+        one, two = 0.0j, 0.0j
+        for n in range(q):
+            one += up[n, j] * first[n]
+            two += up[n, j] * second[n]
+        C1[j] = one
+        C3[j] = np.conj(two)
+
+
+@njit(cache=True, error_model="numpy")
 def boundary_displacement(
-    targets, own, p, z, dz, tangent, curvature, ends, straight, smooth, fine, chi, inverse, fine_inverse, up
+    targets,
+    own,
+    curve,
+    p,
+    z,
+    dz,
+    tangent,
+    curvature,
+    ends,
+    straight,
+    smooth,
+    fine,
+    chi,
+    inverse,
+    fine_inverse,
+    up,
 ):
     """Weights of C1 and C3 (t, n) of boundary panels for targets (t,).
 
-    ``own`` (t,) is the number of a target's own node, -1 beside the boundary; of a node it is the limit from inside.
+    ``own`` (t,) is the number of a target's own node, -1 for none: there it is the limit from inside. ``curve`` (t,) is
+    the smooth curve that it lies on, -1 beside the boundary.
     """
     t, m = len(targets), len(ends)
     C1 = np.empty((t, m * p), dtype=np.complex128)
@@ -77,73 +165,60 @@ def boundary_displacement(
         target = targets[i]
         for k in range(m):
             middle, half = 0.5 * (ends[k, 0] + ends[k, 1]), 0.5 * (ends[k, 1] - ends[k, 0])
+            of = slice(k * p, (k + 1) * p)
+            one, three = C1[i, of], C3[i, of]
+            on_panel = own[i] >= 0 and own[i] // p == k
+            if is_beyond(target, middle, half):
+                _far_displacement(target, z[of], dz[of], one, three)
+                continue
             zeta = (target - middle) / half
-            base = k * p
-            on_panel = own[i] // p == k and own[i] >= 0
-            along = own[i] >= 0 and smooth[own[i] // p] == smooth[k] and not straight[k]
-            if along and not on_panel:
-                reach = ALONG * max(abs(ends[k, 1] - ends[k, 0]), 0.0)
-                along = abs(target - middle) < 0.5 * abs(ends[k, 1] - ends[k, 0]) + reach
             if is_far(zeta):
-                for j in range(p):
-                    gap = z[base + j] - target
-                    back = np.conj(gap)
-                    step = dz[base + j]
-                    C1[i, base + j] = step / gap
-                    C3[i, base + j] = step / back - gap * np.conj(step) / (back * back)
+                _far_displacement(target, z[of], dz[of], one, three)
                 continue
             if straight[k]:
-                log = complex(line_log(zeta.real), np.pi) if on_panel else chord_log(zeta)
-                moments(zeta, log, 1, I[:, :p])
-                rho = np.conj(half) / half
-                delta = 0.0j
-                if not on_panel:
-                    delta = rho * (target - middle) - np.conj(target - middle)
-                for j in range(p):
-                    one, two = 0.0j, 0.0j
-                    for n in range(p):
-                        one += I[0, n] * inverse[k, n, j]
-                        two += I[1, n] * inverse[k, n, j]
-                    C1[i, base + j] = one
-                    C3[i, base + j] = delta / rho * np.conj(two / half)
+                _straight_displacement(target, on_panel, middle, half, inverse[k], I, one, three)
                 continue
             for j in range(2 * p):
                 local[j] = (fine[k, j] - middle) / half
             log = panel_log(zeta, local, on_panel)
-            if along:
-                moments(zeta, log, 0, I[:, :p])
-                for j in range(p):
-                    one = 0.0j
-                    for n in range(p):
-                        one += I[0, n] * inverse[k, n, j]
-                    C1[i, base + j] = one
-                    step = dz[base + j]
-                    if base + j == own[i]:
-                        direction = tangent[base + j]
-                        C3[i, base + j] = (
-                            direction / np.conj(direction) * 1j * curvature[base + j] * abs(step)
-                        )
-                    else:
-                        gap = z[base + j] - target
-                        back = np.conj(gap)
-                        C3[i, base + j] = step / back - gap * np.conj(step) / (back * back)
+            along = curve[i] == smooth[k] and abs(target - middle) < (1 + 2 * ALONG) * abs(half)
+            if along or on_panel:
+                here = own[i] - k * p if on_panel else -1
+                _along_displacement(
+                    target,
+                    here,
+                    middle,
+                    half,
+                    log,
+                    z[of],
+                    dz[of],
+                    tangent[of],
+                    curvature[of],
+                    inverse[k],
+                    I,
+                    one,
+                    three,
+                )
                 continue
-            moments(zeta, log, 1, I)
-            for j in range(2 * p):
-                one, two = 0.0j, 0.0j
-                for n in range(2 * p):
-                    one += I[0, n] * fine_inverse[k, n, j]
-                    two += I[1, n] * fine_inverse[k, n, j]
-                first[j] = one
-                second[j] = chi[k, j] * one - np.conj(fine[k, j] - target) * two / half
-            for j in range(p):
-                one, two = 0.0j, 0.0j
-                for n in range(2 * p):
-                    one += up[n, j] * first[n]
-                    two += up[n, j] * second[n]
-                C1[i, base + j] = one
-                C3[i, base + j] = np.conj(two)
+            _curved_displacement(
+                target, middle, half, log, fine[k], chi[k], fine_inverse[k], up, I, first, second, one, three
+            )
     return C1, C3
+
+
+@njit(cache=True, error_model="numpy")
+def displacement_matrix(C1, C3, kappa):
+    """Real matrix (2 t, 2 n) from g to w, real and imaginary parts in turn, of weights C1 and C3 (t, n)."""
+    t, n = C1.shape
+    result = np.empty((2 * t, 2 * n))
+    share = 0.5 / np.pi
+    for i in range(t):
+        for j in range(n):
+            a, b = share * (kappa - 1) * C1[i, j].real, share * (kappa + 1) * C1[i, j].imag
+            c, d = share * C3[i, j].real, share * C3[i, j].imag
+            result[2 * i, 2 * j], result[2 * i, 2 * j + 1] = b + d, a - c
+            result[2 * i + 1, 2 * j], result[2 * i + 1, 2 * j + 1] = -a - c, b - d
+    return result
 
 
 @njit(cache=True)
@@ -200,7 +275,7 @@ def of_highest(targets, own, p, ends, straight, fine, fine_tangent, length, fine
     return C1, C3
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def boundary_stress(targets, p, z, dz, ends, straight, fine, chi, inverse, fine_inverse, up):
     """Weights (t, n) of boundary panels in P and in the part of Q that is linear in a density, times 2 pi i."""
     t, m = len(targets), len(ends)
@@ -215,12 +290,15 @@ def boundary_stress(targets, p, z, dz, ends, straight, fine, chi, inverse, fine_
             middle, half = 0.5 * (ends[k, 0] + ends[k, 1]), 0.5 * (ends[k, 1] - ends[k, 0])
             zeta = (target - middle) / half
             base = k * p
-            if is_far(zeta):
+            if is_beyond(target, middle, half) or is_far(zeta):
                 for j in range(p):
-                    gap = z[base + j] - target
+                    x, y = z[base + j].real - target.real, z[base + j].imag - target.imag
+                    r = 1.0 / (x * x + y * y)
+                    back = complex(x * r, -y * r)
                     step = dz[base + j]
-                    P[i, base + j] = step / gap**2
-                    Q[i, base + j] = np.conj(step) / gap**2 - 2 * np.conj(gap) * step / gap**3
+                    square = back * back
+                    P[i, base + j] = step * square
+                    Q[i, base + j] = square * (step.conjugate() - 2 * step * complex(x, -y) * back)
                 continue
             if straight[k]:
                 moments(zeta, chord_log(zeta), 2, I[:, :p])
@@ -252,74 +330,3 @@ def boundary_stress(targets, p, z, dz, ends, straight, fine, chi, inverse, fine_
                 P[i, base + j] = two
                 Q[i, base + j] = three
     return P, Q
-
-
-@njit(cache=True)
-def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, tip_w, tip_inverse):
-    """Weights (3, t, n) of 1/(tau - z), 1/(tau - z)^2 and 1/(tau - z)^3 of crack panels for targets (t,).
-
-    ``on`` (t,) is the panel on whose line a target lies, -1 for none: there the finite part counts. A panel with a tip
-    ends at it; its density is an odd polynomial in the root of the distance.
-    """
-    t, m = len(targets), len(starts)
-    M = np.empty((3, t, m * p), dtype=np.complex128)
-    I = np.empty((3, 2 * p), dtype=np.complex128)
-    for i in range(t):
-        target = targets[i]
-        for k in range(m):
-            base = k * p
-            along = ends[k] - starts[k]
-            if is_tip[k]:
-                zeta = np.sqrt((ends[k] - target) / along)
-                if is_far(zeta):
-                    for j in range(p):
-                        gap = ends[k] - along * tip_x[j] ** 2 - target
-                        step = 2 * along * tip_x[j] * tip_w[j]
-                        M[0, i, base + j] = step / gap
-                        M[1, i, base + j] = step / gap**2
-                        M[2, i, base + j] = step / gap**3
-                    continue
-                if on[i] == k:
-                    zeta = complex(zeta.real, 0.0)
-                    log = complex(line_log(zeta.real), 0.0)
-                else:
-                    log = chord_log(zeta)
-                moments(zeta, log, 2, I)
-                slope = -1.0 / (2 * along * zeta)
-                bend = -1.0 / (4 * along**2 * zeta**3)
-                for j in range(p):
-                    one, two, three = 0.0j, 0.0j, 0.0j
-                    for n in range(p):
-                        one += I[0, 2 * n + 1] * tip_inverse[n, j]
-                        two += I[1, 2 * n + 1] * tip_inverse[n, j]
-                        three += I[2, 2 * n + 1] * tip_inverse[n, j]
-                    M[0, i, base + j] = -one
-                    M[1, i, base + j] = -two * slope
-                    M[2, i, base + j] = -0.5 * (three * slope**2 + two * bend)
-                continue
-            middle, half = 0.5 * (starts[k] + ends[k]), 0.5 * along
-            zeta = (target - middle) / half
-            if is_far(zeta):
-                for j in range(p):
-                    gap = middle + half * x[j] - target
-                    step = half * w[j]
-                    M[0, i, base + j] = step / gap
-                    M[1, i, base + j] = step / gap**2
-                    M[2, i, base + j] = step / gap**3
-                continue
-            if on[i] == k:
-                zeta = complex(zeta.real, 0.0)
-                log = complex(line_log(zeta.real), 0.0)
-            else:
-                log = chord_log(zeta)
-            moments(zeta, log, 2, I[:, :p])
-            for j in range(p):
-                one, two, three = 0.0j, 0.0j, 0.0j
-                for n in range(p):
-                    one += I[0, n] * inverse[n, j]
-                    two += I[1, n] * inverse[n, j]
-                    three += I[2, n] * inverse[n, j]
-                M[0, i, base + j] = one
-                M[1, i, base + j] = two / half
-                M[2, i, base + j] = 0.5 * three / half**2
-    return M

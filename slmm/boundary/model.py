@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg as la
 from scipy.spatial import cKDTree
 
 from slmm.boundary.body import Body, check_in_one_piece
 from slmm.boundary.crack_panels import CrackPanels, at_tip, crack_panels, slope_at_tip
-from slmm.boundary.densities import displacement_of_boundary, of_cracks, stress_of_boundary, stress_of_jumps
-from slmm.boundary.elimination import bordered, jumps
+from slmm.boundary.densities import (
+    Targets,
+    displacement_of_boundary,
+    displacement_of_jumps,
+    of_cracks,
+    stress_of_boundary,
+    stress_of_jumps,
+)
+from slmm.boundary.elimination import Eliminated, eliminated
 from slmm.boundary.faces import held_closed, opening_of, overlap
 from slmm.boundary.rules import Array, Complex, values_at
-from slmm.boundary.stretches import FINE, MouthGrading
+from slmm.boundary.stretches import FINE, Grading
 from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
@@ -42,8 +50,7 @@ class BoundaryModel:
         Gauss points on each panel of the boundary, and of the cracks.
     body : Body, optional
         One that serves the part.
-    grading : MouthGrading
-        Of panels towards mouths of cracks.
+    grading : Grading
     contact : bool
         Whether faces that would overlap hold each other, without friction.
 
@@ -52,9 +59,10 @@ class BoundaryModel:
     panels : Panels
     cracks : CrackPanels or None
     g, q : ndarray, shape (n,)
-        Displacement and resultant force at the boundary's points, times 2 mu/(kappa + 1) and 1/(kappa + 1).
-    jumps : ndarray, shape (c,)
-        What q is short of after each closed curve.
+        Displacement and resultant force along each panel at the boundary's points, times 2 mu/(kappa + 1) and
+        1/(kappa + 1).
+    behind : ndarray, shape (k,)
+        The resultants of the panels on which anything is held or acts.
     c : ndarray, shape (m,)
         Displacement jump at the points of the cracks, scaled as g.
     touching : ndarray, shape (m,) of bool
@@ -70,7 +78,7 @@ class BoundaryModel:
         crack_p: int = 8,
         body: Body | None = None,
         contact: bool = False,
-        grading: MouthGrading = FINE,
+        grading: Grading = FINE,
     ) -> None:
         """Assemble, factorise and solve; on a ``body`` that serves the part, only what its cracks need."""
         self.crack_p, self.contact = crack_p, contact
@@ -79,29 +87,18 @@ class BoundaryModel:
         self.body = body or Body(part, material, loading, p, grading)
         self.panels = self.body.panels
         self.cracks: CrackPanels | None = None
-        solution = self.body.solution
         self.c = np.empty(0, dtype=complex)
         self.touching = np.empty(0, dtype=bool)
         if part.cracks:
             self.cracks = crack_panels(part, self.panels.z, crack_p, self.body.grading.crack)
-            solution = self._with_cracks(solution)
-        self._take(solution)
+        self._take(self._solved())
 
-    def with_cracks_of(self, part: Part, ahead: Sequence[complex] = ()) -> BoundaryModel:
-        """The same with other cracks, as after growth; the factorised body stays where it serves.
-
-        Parameters
-        ----------
-        part : Part
-        ahead : sequence of complex
-            Where tips may come to be, mm, for which another body serves at once.
-        """
+    def with_cracks_of(self, part: Part) -> BoundaryModel:
+        """The same with other cracks, as after growth; the factorised body stays where it serves."""
         old = self.body
-        body = old if old.serves(part) else None
+        body = old if old.serves(part) else old.divided(part)
         if any("crack" in (crack.start.kind, crack.end.kind) for crack in part.cracks):
             check_in_one_piece(part)  # without a new mouth only cracks that meet can sever it
-        if body is None:
-            body = Body(part, old.material, old.loading, old.p, old.grading, ahead)
         grown = BoundaryModel(
             part, old.material, old.loading, old.p, self.crack_p, body, self.contact, old.grading
         )
@@ -136,28 +133,44 @@ class BoundaryModel:
         value = figure(self)
         return value, COVERS * np.linalg.norm(figure(self.finer) - value, axis=1)
 
-    def _with_cracks(self, base: Array) -> Array:
-        """The boundary's unknowns with cracks, by elimination of these; sets their jumps."""
-        assert self.cracks is not None
-        self.body.border = bordered(self.body, self.cracks, self.body.border)
-        border = self.body.border
-        self.touching = np.zeros(len(self.cracks.z), dtype=bool)
-        jump = jumps(border)
-        along = np.repeat(self.cracks.direction, self.cracks.p)
-        if self.contact and overlap(jump, along):
-            jump, self.touching = held_closed(border.matrix, -border.traction, along)
-        self.c = jump[::2] + 1j * jump[1::2]
-        return np.asarray(base - jump @ self.body.border.columns)
+    def _solved(self) -> Array:
+        """The boundary's unknowns, cracks and divided panels eliminated; sets the jumps of cracks."""
+        body = self.body
+        where = eliminated(body, self.cracks)
+        border = body.border
+        y = border.solve()
+        if self.cracks is not None:
+            self.touching = np.zeros(len(self.cracks.z), dtype=bool)
+            along = np.repeat(self.cracks.direction, self.cracks.p)
+            if self.contact and overlap(y[where.cracks], along):
+                y, self.touching = self._held_closed(y, where, along)
+            jump = y[where.cracks]
+            self.c = jump[::2] + 1j * jump[1::2]
+        return body.unknowns(body.base.solution - y @ border.columns, y[where.panels])
+
+    def _held_closed(self, y: Array, where: Eliminated, along: Complex) -> tuple[Array, Array]:
+        """The unknowns of the border where faces of cracks do not overlap, and where they touch."""
+        S, right = self.body.border.matrix, self.body.border.right
+        cracks, others = where.cracks, np.setdiff1d(np.arange(len(y)), where.cracks)
+        inner = la.lu_factor(S[np.ix_(others, others)], check_finite=False)
+        by_cracks = la.lu_solve(inner, S[np.ix_(others, cracks)], check_finite=False)
+        alone = la.lu_solve(inner, right[others], check_finite=False)
+        to_others = S[np.ix_(cracks, others)]
+        y = y.copy()
+        y[cracks], touching = held_closed(
+            S[np.ix_(cracks, cracks)] - to_others @ by_cracks, right[cracks] - to_others @ alone, along
+        )
+        y[others] = alone - by_cracks @ y[cracks]
+        return y, touching
 
     def _take(self, solution: Array) -> None:
         """Densities from the unknowns."""
-        body = self.body
-        components = solution[: 2 * self.panels.n].reshape(-1, 2)
-        moved = body.rigid @ solution[2 * self.panels.n :]
-        self.g = body.known_g + moved + np.where(body.held, 0.0, components) @ [1, 1j]
-        self.t = body.known_t + np.where(body.held, components, 0.0) @ [1, 1j]
-        forces = self.t * 1j / (body.kappa + 1)
-        self.q, self.jumps = body.resultants(forces), body.to_jumps @ forces
+        known = self.body.known
+        at_points, motions = np.split(solution, [2 * self.panels.n])
+        components = at_points.reshape(-1, 2)
+        self.g = known.g + known.rigid @ motions + np.where(known.held, 0.0, components) @ [1, 1j]
+        self.t = known.t + np.where(known.held, components, 0.0) @ [1, 1j]
+        self.q, self.behind = self.body.resultants(self.t)
 
     def stress_intensities(self) -> Array:
         """K_I and K_II (k, 2) of every tip of the part, MPa sqrt(mm)."""
@@ -213,7 +226,7 @@ class BoundaryModel:
 
     def reaction(self, condition: Condition) -> Array:
         """Force (2,) on the part along a stretch, N for each mm of thickness."""
-        on = self.body.of_condition[condition]
+        on = self.body.known.of_condition[condition]
         force = np.sum(self.t[on] * np.abs(self.panels.dz[on]))
         return np.array([force.real, force.imag])
 
@@ -277,11 +290,12 @@ class BoundaryModel:
     def _displacement_inside(self, points: Array) -> Array:
         """Displacements (k, 2) by the kernels."""
         targets = points[:, 0] + 1j * points[:, 1]
-        beside = np.full(len(targets), -1)
-        by_g, by_q = displacement_of_boundary(self.panels, self.body.kappa, targets, beside)
-        W = by_g(self.g) + by_q(self.q) + self.body.displacement_by_jumps(targets)(self.jumps)
+        beside, tractions = Targets.beside(targets), self.body.base.tractions
+        by_g, by_q = displacement_of_boundary(self.panels, self.body.kappa, beside)
+        behind = displacement_of_jumps(self.body.kappa, tractions.behind, tractions.size, targets)
+        W = by_g(self.g) + by_q(self.q) + behind(self.behind)
         if self.cracks is not None:
-            W = W + of_cracks(self.cracks, targets, beside).displacement(self.body.kappa)(self.c)
+            W = W + of_cracks(self.cracks, targets, beside.own).displacement(self.body.kappa)(self.c)
         u = W / (2 * self.body.mu)
         return np.column_stack([u.real, u.imag])
 
@@ -298,10 +312,10 @@ class BoundaryModel:
     def _from_boundary(self, targets: Complex) -> tuple[Complex, Complex]:
         """P and Q (t,) of the boundary's densities at targets (t,)."""
         P, Q = stress_of_boundary(self.panels, targets)
-        P_jumps, Q_jumps = stress_of_jumps(self.body.begins, targets)
-        one = P @ (self.g + self.q) + P_jumps @ self.jumps
+        P_behind, Q_behind = stress_of_jumps(self.body.base.tractions.behind, targets)
+        one = P @ (self.g + self.q) + P_behind @ self.behind
         other = Q @ (self.g + self.q) + P @ (self.body.kappa * self.q - self.g).conj()
-        return one, other + Q_jumps @ self.jumps + P_jumps @ (self.body.kappa * self.jumps).conj()
+        return one, other + Q_behind @ self.behind + P_behind @ (self.body.kappa * self.behind).conj()
 
     def stress_inside(self, points: Array) -> Array:
         """Stress xx, yy, xy (k, 3) at points (k, 2) that lie `BESIDE` panels deep at least, MPa, by the kernels."""

@@ -21,6 +21,13 @@ def is_far(zeta):
 
 
 @njit(cache=True)
+def is_beyond(target, middle, half):
+    """Whether it serves by the distance from the middle of a panel alone, which takes no roots."""
+    x, y = target.real - middle.real, target.imag - middle.imag
+    return x * x + y * y > FAR * FAR * (half.real * half.real + half.imag * half.imag)
+
+
+@njit(cache=True)
 def moments(zeta, log, order, out):
     """Fill ``out`` (3, n) with I, I' and I'' up to an order of derivative; ``log`` is I_0."""
     n = out.shape[1]

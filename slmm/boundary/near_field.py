@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from slmm.boundary.densities import weights_of_boundary
+from slmm.boundary.densities import Targets, weights_of_boundary
 from slmm.boundary.moments import FAR
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Complex
@@ -47,15 +47,8 @@ def _weights(panels: Panels, run: NDArray[np.int64], targets: NDArray[np.int64])
     """Weights (t, k) of C1 and C3 of a run of panels at points (t,)."""
     p = panels.p
     of_target = targets // p
-    # with those of the same smooth curve that lie among the targets: these see each other along it
-    same = of_target[panels.smooth[of_target] == panels.smooth[run[0]]]
-    chosen = np.union1d(run, same)
-    place = np.full(len(panels.ends), -1)
-    place[chosen] = np.arange(len(chosen))
-    own = np.where(place[of_target] < 0, -1, place[of_target] * p + targets % p)
-    C1, C3 = weights_of_boundary(panels.chosen(chosen), panels.z[targets], own)
-    points = (place[run][:, None] * p + np.arange(p)).ravel()
-    return C1[:, points], C3[:, points]
+    at = Targets(panels.z[targets], targets, panels.smooth[of_target])
+    return weights_of_boundary(panels.chosen(run), at.of(run, p))
 
 
 def _is_near(panels: Panels, run: NDArray[np.int64], z: Complex) -> NDArray[np.bool_]:

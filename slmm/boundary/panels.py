@@ -1,28 +1,44 @@
-"""Panels of Gauss points around a part, graded towards corners and crack mouths; the body lies on their left."""
+"""Panels of Gauss points on intervals of the curves around a part; the body lies on their left."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from itertools import groupby, pairwise
+from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from slmm.boundary.rules import Array, Complex, rule
 from slmm.boundary.stretches import Stretch
-from slmm.part.part import Part
-
-#: panel on an outline over its smallest radius of curvature there, over its distance from other surfaces and from crack
-#: tips, and on straight edges over the part's smaller side (chosen on the cases of tests/boundary)
-PER_RADIUS, PER_DISTANCE, PER_SIDE = 0.8, 1.0, 0.25
-#: points on all panels, at most: beyond, what is kept takes more than 2 GB (chosen)
-MOST_POINTS = 60_000
 
 
-class TooManyPointsError(ValueError):
-    """A part with more outlines than can be solved."""
+class Interval(NamedTuple):
+    """Where on a curve a panel lies.
+
+    Attributes
+    ----------
+    smooth : int
+        Number of the curve.
+    low, high : float
+        Shares of its length.
+    contour : int
+        The closed curve that it is part of.
+    stretch : Stretch
+    """
+
+    smooth: int
+    low: float
+    high: float
+    contour: int
+    stretch: Stretch
+
+    @property
+    def key(self) -> tuple[int, float, float]:
+        """What no other panel has."""
+        return self[:3]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +49,8 @@ class Panels:
     ----------
     p : int
         Points on each panel.
+    intervals : tuple of Interval
+        Where the panels lie.
     z, dz : ndarray, shape (n,)
         Points, mm, and integration weights along the curve.
     tangent : ndarray, shape (n,)
@@ -55,6 +73,7 @@ class Panels:
     """
 
     p: int
+    intervals: tuple[Interval, ...]
     z: Complex
     dz: Complex
     tangent: Complex
@@ -70,12 +89,12 @@ class Panels:
     inverse: Complex
     fine_inverse: Complex
 
-    @property
+    @cached_property
     def fine_chi(self) -> Complex:
         """conj(dz)/dz at the fine points."""
         return self.fine_tangent.conj() / self.fine_tangent
 
-    @property
+    @cached_property
     def length(self) -> Array:
         """Of each panel (m,), mm."""
         return np.abs(self.dz).reshape(-1, self.p).sum(axis=1)
@@ -85,69 +104,61 @@ class Panels:
         """Number of points."""
         return len(self.z)
 
-    def chosen(self, which: NDArray[np.int64]) -> Panels:
-        """Some of the panels."""
-        panels, points = len(self.ends), self.n
+    def chosen(self, rows: NDArray[np.int64]) -> Panels:
+        """Some of them."""
+        m = len(self.intervals)
 
-        def of(name: str, values: Array) -> Array:
-            if len(values) == panels:
-                return values[which]
-            return values.reshape(panels, points // panels, *values.shape[1:])[which].reshape(
-                -1, *values.shape[1:]
-            )
+        def of(values: Array) -> Array:
+            return values.reshape(m, -1)[rows].ravel() if len(values) == m * self.p else values[rows]
 
-        values = {f.name: of(f.name, getattr(self, f.name)) for f in fields(self) if f.name != "p"}
-        return Panels(self.p, **values)
+        arrays = [of(getattr(self, field.name)) for field in fields(self)[2:]]
+        return Panels(self.p, tuple(self.intervals[k] for k in rows.tolist()), *arrays)
+
+    def joined(self, more: Panels) -> Panels:
+        """These and more, in the order in which they lie on their curves."""
+        both = [
+            np.concatenate([getattr(self, field.name), getattr(more, field.name)])
+            for field in fields(self)[2:]
+        ]
+        intervals = self.intervals + more.intervals
+        order = np.array(sorted(range(len(intervals)), key=lambda k: intervals[k].key), dtype=int)
+        return Panels(self.p, intervals, *both).chosen(order)
 
 
-def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[complex], p: int) -> Panels:
-    """Panels on all contours."""
-    side = float(np.ptp(part.outer, axis=0).min())
-    sampled = [_samples(stretches) for stretches in contours]
-    parts: list[tuple[Stretch, float, float, int, int]] = []
-    number = 0
-    for c, stretches in enumerate(contours):
-        longest = PER_SIDE * side + max(stretch.length for stretch in stretches)
-        others = _near(sampled, c, longest / PER_DISTANCE, np.array(tips, dtype=complex))
-        for stretch in stretches:
-            cuts = _cuts(stretch, others, side)
-            parts += [(stretch, a, b, c, number) for a, b in pairwise(cuts)]
-            number += 1
-    if len(parts) * p > MOST_POINTS:
-        raise TooManyPointsError(
-            f"boundary integrals: the outlines need {len(parts) * p} points, and at most {MOST_POINTS} can be solved; "
-            "use voxels or a body-fitted model"
-        )
+def panels_on(intervals: Sequence[Interval], p: int) -> Panels:
+    """Panels of p points on intervals, of which those on one curve are neighbours."""
     x, w = rule(p)
     xf, _ = rule(2 * p)
     z, dz, tangent, curvature, ends, fine, fine_tangent, span = [], [], [], [], [], [], [], []
-    for stretch, a, b in _by_stretch(parts):
+    for stretch, a, b in _by_stretch(intervals):
         middle, half = 0.5 * (a + b)[:, None], 0.5 * (b - a)[:, None]
-        points, along, bend = stretch.at((middle + half * x).ravel())
-        z.append(points)
-        tangent.append(along)
-        curvature.append(bend)
-        dz.append(along * (w * half * stretch.length).ravel())
-        points, along, _ = stretch.at((middle + half * xf).ravel())
-        fine.append(points)
-        fine_tangent.append(along)
-        ends.append(stretch.at(np.column_stack([a, b]).ravel())[0])
+        share = np.concatenate([(middle + half * x).ravel(), (middle + half * xf).ravel(), a, b])
+        points, along, bend = stretch.at(share)
+        n, m = p * len(a), 3 * p * len(a)
+        z.append(points[:n])
+        tangent.append(along[:n])
+        curvature.append(bend[:n])
+        dz.append(along[:n] * (w * half * stretch.length).ravel())
+        fine.append(points[n:m])
+        fine_tangent.append(along[n:m])
+        ends.append(points[m:].reshape(2, -1).T)
         curved = np.column_stack([stretch.s[0] - a * stretch.length, stretch.s[0] - b * stretch.length])
         span.append(np.full((len(a), 2), np.nan) if stretch.outline is None else curved)
     all_z = np.concatenate(z)
-    ends_of, fine_of = np.concatenate(ends).reshape(-1, 2), np.concatenate(fine).reshape(-1, 2 * p)
+    ends_of, fine_of = np.concatenate(ends), np.concatenate(fine).reshape(-1, 2 * p)
     return Panels(
         p,
+        tuple(intervals),
         all_z,
         np.concatenate(dz),
         np.concatenate(tangent),
         np.concatenate(curvature),
         ends_of,
-        np.array([stretch.outline is None for stretch, *_ in parts]),
+        np.array([interval.stretch.outline is None for interval in intervals]),
         np.concatenate(span),
-        np.array([c for *_, c, _ in parts]),
-        np.array([stretch.hole for stretch, *_ in parts]),
-        np.array([number for *_, number in parts]),
+        np.array([interval.contour for interval in intervals]),
+        np.array([interval.stretch.hole for interval in intervals]),
+        np.array([interval.smooth for interval in intervals]),
         fine_of,
         np.concatenate(fine_tangent).reshape(-1, 2 * p),
         _inverses(all_z.reshape(-1, p), ends_of),
@@ -155,15 +166,13 @@ def panelled(contours: Sequence[Sequence[Stretch]], part: Part, tips: Sequence[c
     )
 
 
-def _by_stretch(
-    parts: Sequence[tuple[Stretch, float, float, int, int]],
-) -> list[tuple[Stretch, Array, Array]]:
+def _by_stretch(intervals: Sequence[Interval]) -> list[tuple[Stretch, Array, Array]]:
     """The stretches in turn, with the shares at which their panels begin and end."""
     found = []
-    for _, group in groupby(parts, key=lambda part: part[4]):
-        panels = list(group)
-        a, b = (np.array([panel[k] for panel in panels]) for k in (1, 2))
-        found.append((panels[0][0], a, b))
+    for _, group in groupby(intervals, key=lambda interval: interval.smooth):
+        of_stretch = list(group)
+        a, b = (np.array([interval[k] for interval in of_stretch]) for k in (1, 2))
+        found.append((of_stretch[0].stretch, a, b))
     return found
 
 
@@ -178,46 +187,3 @@ def _inverses(z: Complex, ends: Complex) -> Complex:
     for k in range(1, n - 1):
         V[..., k + 1] = ((2 * k + 1) * zeta * V[..., k] - k * V[..., k - 1]) / (k + 1)
     return np.linalg.inv(V)
-
-
-def _samples(stretches: Sequence[Stretch]) -> Complex:
-    return np.concatenate([stretch.at(np.linspace(0.0, 1.0, 200))[0] for stretch in stretches])
-
-
-def _near(sampled: Sequence[Complex], number: int, reach: float, tips: Complex) -> Complex:
-    """Tips, and samples of the other curves that may be within reach of one, mm."""
-    own = sampled[number]
-    middle = own.mean()
-    reach += float(np.abs(own - middle).max())
-    others = [z[np.abs(z - middle) < reach] for k, z in enumerate(sampled) if k != number]
-    return np.concatenate([*others, tips])
-
-
-def _cuts(stretch: Stretch, others: Complex, side: float) -> list[float]:
-    """Shares of a stretch at which its panels end, halved until each is short enough."""
-    length = stretch.length
-    a = np.arange(4) / 4 if stretch.closed else np.zeros(1)
-    b = a + 1 / len(a)
-    done = [np.zeros(1)]
-    tree = cKDTree(np.column_stack([others.real, others.imag])) if len(others) else None
-    while len(a):
-        share = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, 9)
-        z, _, bend = stretch.at(share.ravel())
-        allowed = np.full(len(a), PER_SIDE * side)
-        if stretch.outline is not None:
-            sharpest = np.abs(bend).reshape(share.shape).max(axis=1)
-            allowed = np.minimum(allowed, PER_RADIUS / np.maximum(sharpest, 1e-12))
-        if tree is not None:
-            nearest = tree.query(np.column_stack([z.real, z.imag]))[0].reshape(share.shape).min(axis=1)
-            allowed = np.minimum(allowed, PER_DISTANCE * nearest)
-        if not stretch.closed:
-            # towards both ends panels become as short as their distance from there
-            first, last = stretch.last
-            towards_ends = np.minimum(np.maximum(a, first), np.maximum(1.0 - b, last))
-            allowed = np.minimum(allowed, towards_ends * length)
-        long = (b - a) * length > np.maximum(allowed, 1e-7 * length) * (1 + 1e-9)
-        done.append(b[~long])
-        middle = 0.5 * (a + b)[long]
-        a, b = np.concatenate([a[long], middle]), np.concatenate([middle, b[long]])
-    cuts: list[float] = np.sort(np.concatenate(done)).tolist()
-    return cuts

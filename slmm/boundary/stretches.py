@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -17,7 +16,7 @@ from slmm.scene.loading import Condition, Loading
 from slmm.scene.supports import held_at, is_singular
 
 #: the last panel before a corner that juts out, and one that points into the material, over the length of the side:
-#: solutions are rougher there by turns (chosen on the cases of tests/boundary); of mouths see `MouthGrading`
+#: solutions are rougher there by turns (chosen on the cases of tests/boundary); of mouths see `Grading`
 JUTTING, REENTRANT = 0.25, 1e-5
 #: the same where tractions change on a straight edge, where a support ends on one, and at a corner between a held side
 #: and a free one: stresses have a jump, grow with r^-1/2, and with r^-0.3 (chosen)
@@ -26,25 +25,32 @@ CHANGE, SUPPORT, HELD = 0.05, 1e-5, 1e-3
 STRAIGHT_SAMPLES, ROUND_OFF = 7, 1e-13
 
 
-class MouthGrading(NamedTuple):
-    """How short panels become towards the mouth of a crack.
+class Grading(NamedTuple):
+    """How short panels are.
 
     Attributes
     ----------
     side : float
-        The last one on a surface, over the length of the side.
+        The last one on a surface before the mouth of a crack, over the length of the side.
     crack : float
-        And on a crack, over its length.
+        And on the crack, over its length.
+    radius : float
+        On a curve, over its smallest radius of curvature there.
+    distance, tip : float
+        Over the distance from other surfaces, and from crack tips.
     """
 
     side: float
     crack: float
+    radius: float
+    distance: float
+    tip: float
 
 
 #: for stress intensities of cracks as short as they may be (chosen on the cases of tests/boundary)
-FINE = MouthGrading(0.01, 0.01)
+FINE = Grading(0.01, 0.01, 0.6, 1.0, 1.0)
 #: for stiffness and tips away from mouths: solutions are smooth enough (chosen on validation/fracture_references.py)
-COARSE = MouthGrading(0.05, 0.1)
+COARSE = Grading(0.1, 0.2, 0.8, 1.5, 2.0)
 
 
 class Stretch(NamedTuple):
@@ -96,35 +102,12 @@ class Stretch(NamedTuple):
         return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
 
 
-def boundary_of(
-    part: Part, mouths: Sequence[complex], loading: Loading, at_mouth: float = FINE.side
-) -> list[list[Stretch]]:
-    """The closed curves around a part, each of stretches that end at corners, mouths and where conditions do.
-
-    Parameters
-    ----------
-    part : Part
-    mouths : sequence of complex
-        Where cracks end on the boundary, mm.
-    loading : Loading
-    at_mouth : float
-        The last panel there, over the length of the side.
-    """
-    wanted = np.concatenate(
-        [
-            np.array([(z.real, z.imag) for z in mouths]).reshape(-1, 2),
-            loading.ends,
-            *(hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.outlines),
-        ]
-    )
+def boundary_of(part: Part, loading: Loading) -> list[list[Stretch]]:
+    """The closed curves around a part, each of stretches that end at corners and where conditions do."""
+    jumps = (hole.points(curvature_jumps(hole.breaks, hole.coefficients)) for hole in part.outlines)
+    wanted = np.concatenate([loading.ends, *jumps])
     return [
-        _graded(
-            [stretch for piece in ring for stretch in _stretches(piece, part)],
-            mouths,
-            loading,
-            part.tolerance,
-            at_mouth,
-        )
+        _graded([stretch for piece in ring for stretch in _stretches(piece, part)], loading)
         for ring in boundary_pieces(part.body, part.outlines, wanted)
     ]
 
@@ -150,24 +133,19 @@ def _acting(z: complex, loading: Loading) -> list[Condition]:
     return [condition for condition in loading if condition.on(np.array([[z.real, z.imag]]))[0]]
 
 
-def _graded(
-    stretches: list[Stretch], mouths: Sequence[complex], loading: Loading, near: float, at_mouth: float
-) -> list[Stretch]:
+def _graded(stretches: list[Stretch], loading: Loading) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
     middles = [stretch.at(np.array([0.5]))[0][0] for stretch in stretches]
     acting = [_acting(z, loading) for z in middles]
     held = [held_at(loading, (z.real, z.imag)) for z in middles]
-    breaks = np.array(mouths, dtype=complex)
     ends = np.array([0.0, 1.0])
     tangents = [stretch.at(ends)[1] for stretch in stretches]
     grade = []
-    for k, stretch in enumerate(stretches):
+    for k in range(len(stretches)):
         turn = float(np.angle(tangents[k][0] / tangents[k - 1][1]))
         changes = abs(turn) < SMALLEST_TURN and acting[k] != acting[k - 1]
         singular = is_singular(held[k - 1], held[k], turn)
-        if len(breaks) and np.abs(breaks - stretch.start).min() <= near:
-            grade.append(at_mouth)
-        elif changes:
+        if changes:
             grade.append(SUPPORT if singular else CHANGE)
         elif turn < -SMALLEST_TURN:
             grade.append(REENTRANT)

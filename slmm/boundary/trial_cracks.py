@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.rules import Array, rule
 
@@ -68,7 +67,7 @@ class TrialCracks:
         parts = [model.part.with_short_crack(point, point + a * direction) for a in self.lengths]
         old = model.body
         tips = [complex(*(point + a * direction)) for a in self.lengths]
-        body = Body(parts[-1], old.material, old.loading, old.p, old.grading, tips)
+        body = old.divided(parts[-1], tips)
         solved = [
             BoundaryModel(
                 part, old.material, old.loading, old.p, model.crack_p, body, model.contact, old.grading

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
@@ -111,21 +109,12 @@ class BoundaryEngine:
             "contact": "without friction",
         }
 
-    def solve(self, part: Part, ahead: Sequence[Array] = ()) -> BoundaryState:
-        """The part with its cracks.
-
-        Parameters
-        ----------
-        part : Part
-        ahead : sequence of ndarray, shape (2,)
-            Where tips will stand after the next increments if they run straight on, mm.
-        """
-        places = [complex(*point) for point in ahead]
+    def solve(self, part: Part) -> BoundaryState:
+        """The part with its cracks."""
         if self._last is None:
-            body = Body(part, self.material, self.loading, self.order, COARSE, places)
             self._last = BoundaryModel(
-                part, self.material, self.loading, self.order, self.crack_order, body, True, COARSE
+                part, self.material, self.loading, self.order, self.crack_order, contact=True, grading=COARSE
             )
         else:
-            self._last = self._last.with_cracks_of(part, places)
+            self._last = self._last.with_cracks_of(part)
         return BoundaryState(self._last)

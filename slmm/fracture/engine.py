@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -75,15 +75,8 @@ class Engine(Protocol):
         """What it is, as attributes of a result."""
         ...
 
-    def solve(self, part: Part, ahead: Sequence[Array] = ()) -> State:
-        """The part with its cracks.
-
-        Parameters
-        ----------
-        part : Part
-        ahead : sequence of ndarray, shape (2,)
-            Where tips will stand after the next increments if they run straight on, mm.
-        """
+    def solve(self, part: Part) -> State:
+        """The part with its cracks."""
         ...
 
 

@@ -204,8 +204,8 @@ class FemEngine:
         """What it is, as attributes of a result."""
         return {"engine": "fem", "fineness": self.fineness, "contact": "none"}
 
-    def solve(self, part: Part, ahead: Sequence[Array] = ()) -> FemState:
-        """The part with its cracks; where tips will stand later does not matter.
+    def solve(self, part: Part) -> FemState:
+        """The part with its cracks.
 
         Raises
         ------

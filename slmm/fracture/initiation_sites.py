@@ -40,7 +40,9 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
 
     hoop = model.hoop
     least = max(least, NO_TENSION * float(np.abs(hoop).max()))
-    free = ~model.body.held.any(axis=1) & may_start(part, loading, np.column_stack([z.real, z.imag]), depth)
+    free = ~model.body.known.held.any(axis=1) & may_start(
+        part, loading, np.column_stack([z.real, z.imag]), depth
+    )
     hoop = np.where(free, ABOVE_SURFACE * hoop, -np.inf)
     found = at_corners(part, loading, stress_below, depth)
     least = max(least, max((site.stress for site in found), default=0.0) / BETWEEN)
@@ -52,8 +54,12 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
 def _stress_below(model: BoundaryModel, where: Places, depth: float) -> Array:
     """Principal stress (k,) at a depth below places, MPa."""
     points = where.points + depth * where.inward
-    deep = depth >= BESIDE * model.panels.length.max()
-    return np.asarray(principal_stress(model.stress_inside(points) if deep else model.stress(points)))
+    deep = depth >= BESIDE * model.panel_length(where.points)
+    stress = np.empty((len(points), 3))
+    for these, stress_at in ((deep, model.stress_inside), (~deep, model.stress)):
+        if these.any():
+            stress[these] = stress_at(points[these])
+    return np.asarray(principal_stress(stress))
 
 
 def _sampled(model: BoundaryModel, depth: float, hoop: Array, least: float) -> list[Sampled]:

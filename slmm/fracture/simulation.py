@@ -38,8 +38,6 @@ Array = NDArray[np.float64]
 
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
-#: increments for which a body is prepared at once; chosen
-AHEAD = 4
 ENGINES: dict[str, Callable[[Material, Loading, float], Engine]] = {
     "boundary": BoundaryEngine,
     "fem": FemEngine,
@@ -231,7 +229,7 @@ class Simulation:
         """Let happen again what happened, solved again where the engine keeps something of it for what follows."""
         for k, step in enumerate(steps):
             if solves and self.engine.keeps:
-                state = self.engine.solve(self.part, self._ahead())
+                state = self.engine.solve(self.part)
                 if math.isfinite(step.finer[0]):
                     state.finer(step.event)
             grown = self._grown(step.event, step.u_c)
@@ -246,7 +244,7 @@ class Simulation:
     def _step(self) -> Outcome | None:
         """Solve, find the next event, and let it happen; how it ended, if it did."""
         history = self.history
-        state = self.engine.solve(self.part, self._ahead())
+        state = self.engine.solve(self.part)
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
         events = state.events(self.rules)
@@ -296,22 +294,6 @@ class Simulation:
         crack = crack_of(self.part, event.tip) if event.kind is Kind.GROWTH else -1
         x, y = event.point.tolist()
         return Candidate(event.load * u, event.kind, crack, event.hole, x, y)
-
-    def _ahead(self) -> list[Array]:
-        """Where tips stand after the next increments if they run straight on."""
-        found = []
-        for k, line in enumerate(self.part.tips):
-            at, along = line[-1], line[-1] - line[-2]
-            along = along / np.linalg.norm(along)
-            for _ in range(AHEAD):
-                increment = self.surroundings.increment(
-                    self.part, at, along, self.lengths.growth, self.lengths.ahead, crack_of(self.part, k)
-                )
-                if increment.arrested:
-                    break
-                at = increment.end
-                found.append(at)
-        return found
 
     def _grown(self, event: Event, u_c: float) -> GrownPart:
         length = self._length(event, u_c) if event.kind is Kind.GROWTH else event.length or self.lengths.first

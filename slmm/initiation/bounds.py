@@ -74,7 +74,7 @@ def _strength(task: Task, whole_path: bool) -> np.ndarray:
 
 def _model(task: Task) -> WithStress | None:
     """A model whose stress is good at surfaces; None where there is none."""
-    from slmm.boundary.panels import TooManyPointsError
+    from slmm.boundary.panelling import TooManyPointsError
     from slmm.fem.triangulation import MesherError
 
     try:

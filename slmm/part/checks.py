@@ -6,7 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Geometry, LineString, MultiPolygon, Point, Polygon, STRtree, box, get_parts, unary_union
+from shapely import (
+    Geometry,
+    LineString,
+    MultiPolygon,
+    Point,
+    Polygon,
+    STRtree,
+    box,
+    get_parts,
+    prepare,
+    unary_union,
+)
 from shapely.validation import explain_validity
 
 from slmm.part.edges import Edges, material_on_edges
@@ -77,6 +88,7 @@ def hole_problems(outlines: Sequence[Outline], names: Sequence[str], outer: Poly
     for i, (name, first) in enumerate(reaching):
         left, bottom, right, top = first.bounds
         beside = box(left - tolerance, bottom - tolerance, right + tolerance, top + tolerance)
+        prepare(first)
         for k in sorted(tree.query(beside)):
             if k <= i:
                 continue
@@ -84,7 +96,7 @@ def hole_problems(outlines: Sequence[Outline], names: Sequence[str], outer: Poly
             pair = f"{name} and {other}"
             if first.contains(second) or second.contains(first):
                 problems.append(f"{pair}: one lies within the other")
-            elif first.distance(second) <= tolerance:
+            elif first.dwithin(second, tolerance):
                 x, y = first.intersection(second.buffer(tolerance)).centroid.coords[0]
                 problems.append(
                     f"{pair}: touch each other near ({x:.6g}, {y:.6g}); move them apart, or let them overlap by"

@@ -83,6 +83,7 @@ def located(
     outer: shapely.LinearRing,
     holes: Sequence[Outline],
     tolerance: float,
+    known: Sequence[Crack] = (),
 ) -> tuple[Crack, ...]:
     """Cracks along lines (n, 2), their ends on what they end at.
 
@@ -97,6 +98,8 @@ def located(
     holes : sequence of Outline
     tolerance : float
         An end as near to a surface or to another crack lies on it, mm.
+    known : sequence of Crack
+        Those of the same body that have been located: the first lines may be theirs.
 
     Raises
     ------
@@ -104,7 +107,10 @@ def located(
         When a line is not one stretch in the body.
     """
     cracks = []
-    for line in lines:
+    for number, line in enumerate(lines):
+        if number < len(known) and line is known[number].points:
+            cracks.append(known[number])
+            continue
         line = np.asarray(line, dtype=float)
         points = in_material(line, body, tolerance).copy()
         ends = []
@@ -193,14 +199,14 @@ def joined(cracks: Sequence[Crack], tolerance: float) -> list[Array]:
             for number in (i, k):
                 lines[number] = with_point(lines[number], at, tolerance)
     # the same place is the same numbers on each of them
-    known: list[Array] = []
+    known = np.empty((0, 2))
     for line in lines:
         for n, at in enumerate(line):
-            same = [other for other in known if np.abs(other - at).max() <= tolerance]
-            if same:
-                line[n] = same[0]
+            same = np.flatnonzero(np.abs(known - at).max(axis=1) <= tolerance)
+            if len(same):
+                line[n] = known[same[0]]
             else:
-                known.append(at.copy())
+                known = np.vstack([known, at])
     return lines
 
 

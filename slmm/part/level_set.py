@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from skimage.measure import find_contours
 
@@ -135,11 +134,11 @@ class LevelSet:
 
     def _evenly(self, places: Array) -> Array:
         """Points (k, 2), in spacings, evenly spaced along a closed line (n, 2) and then exactly on the contour."""
-        ring = shapely.LinearRing(places)
-        count = max(int(np.ceil(POINTS * ring.length)), 4 * POINTS)
-        at = shapely.get_coordinates(
-            shapely.line_interpolate_point(ring, np.arange(count) / count, normalized=True)
-        )
+        ring = np.vstack([places, places[:1]])
+        way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(ring, axis=0).T))])
+        count = max(int(np.ceil(POINTS * way[-1])), 4 * POINTS)
+        even = way[-1] * np.arange(count) / count
+        at = np.column_stack([np.interp(even, way, ring[:, k]) for k in (0, 1)])
         for _ in range(STEPS):
             slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
             off = self._derivative(at, 0, 0) - self.threshold

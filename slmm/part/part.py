@@ -236,7 +236,8 @@ class Part:
         """The part with these cracks alone."""
         points = [np.asarray(line, dtype=float) for line in lines]
         outer = shapely.LinearRing(self.outer)
-        return self._with(located(points, self.body, outer, self.outlines, self.tolerance))
+        cracks = located(points, self.body, outer, self.outlines, self.tolerance, self.cracks)
+        return self._with(cracks)
 
     def _with(self, cracks: tuple[Crack, ...]) -> Part:
         cracked = replace(self, cracks=cracks)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from slmm.boundary import body as body_module
-from slmm.boundary.base_system import Factorised, Iterative
+from slmm.boundary import base_system
 from slmm.boundary.model import BoundaryModel
+from slmm.boundary.solvers import Factorised, Iterative
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
 from slmm.part.part import Part
@@ -33,10 +33,10 @@ LOADINGS = {
 
 def both(monkeypatch, part, loading, p=6):
     factorised = BoundaryModel(part, PMMA, loading, p)
-    monkeypatch.setattr(body_module, "MOST_FACTORISED", 0)
+    monkeypatch.setattr(base_system, "MOST_FACTORISED", 0)
     iterative = BoundaryModel(part, PMMA, loading, p)
-    assert isinstance(factorised.body.system, Factorised)
-    assert isinstance(iterative.body.system, Iterative)
+    assert isinstance(factorised.body.base.solver, Factorised)
+    assert isinstance(iterative.body.base.solver, Iterative)
     return factorised, iterative
 
 
@@ -58,7 +58,7 @@ def test_cracks_feel_the_same_and_go_on_from_what_was_searched(monkeypatch):
 
 
 def test_loads_that_do_not_balance_are_refused(monkeypatch):
-    monkeypatch.setattr(body_module, "MOST_FACTORISED", 0)
+    monkeypatch.setattr(base_system, "MOST_FACTORISED", 0)
     pulled = Loading((Condition((36.0, 0.0), (36.0, 34.0), traction=(1.0, 0.0)),))
     with pytest.raises(ValueError, match="does not balance"):
         BoundaryModel(Part.plate(36.0, 34.0, HOLES), PMMA, pulled, 6)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slmm.boundary.model import BoundaryModel
-from slmm.boundary.panels import TooManyPointsError
+from slmm.boundary.panelling import TooManyPointsError
 from slmm.boundary.stretches import COARSE
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
@@ -257,7 +257,7 @@ def test_what_it_does_not_do_is_refused(monkeypatch):
     with pytest.raises(ValueError, match="the cracks sever the part, in 2 pieces"):
         BoundaryModel(Part.plate(100.0, 100.0, cracks=[[(0, 50), (100, 50)]]), PMMA, loading)
     with monkeypatch.context() as lower, pytest.raises(TooManyPointsError, match="at most 100 can be solved"):
-        lower.setattr("slmm.boundary.panels.MOST_POINTS", 100)
+        lower.setattr("slmm.boundary.panelling.MOST_POINTS", 100)
         BoundaryModel(
             Part.plate(40.0, 40.0, [hole(20, 20, 5.0)]), PMMA, plate_loading(40.0, 40.0, stress=1.0)
         )

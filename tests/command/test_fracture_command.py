@@ -118,11 +118,11 @@ def test_a_stopped_simulation_is_resumed_to_the_same_result(plate, tmp_path):
 def test_an_interrupted_simulation_says_how_it_goes_on(plate, tmp_path, monkeypatch):
     solve, solved = BoundaryEngine.solve, []
 
-    def interrupted(self, part, ahead=()):
+    def interrupted(self, part):
         solved.append(part)
         if len(solved) == 4:
             raise KeyboardInterrupt
-        return solve(self, part, ahead)
+        return solve(self, part)
 
     monkeypatch.setattr(BoundaryEngine, "solve", interrupted)
     output = tmp_path / "result.nc"

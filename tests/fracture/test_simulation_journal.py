@@ -28,9 +28,9 @@ def solves(monkeypatch):
     """Parts that are solved."""
     solve, parts = BoundaryEngine.solve, []
 
-    def counted(self, part, ahead=()):
+    def counted(self, part):
         parts.append(part)
-        return solve(self, part, ahead)
+        return solve(self, part)
 
     monkeypatch.setattr(BoundaryEngine, "solve", counted)
     return parts

@@ -1,0 +1,79 @@
+"""What displacement jumps on straight panels of cracks cause at points: weights of the powers of the distance."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from slmm.boundary.moments import chord_log, is_far, line_log, moments
+
+
+@njit(cache=True)
+def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, tip_w, tip_inverse):
+    """Weights (3, t, n) of 1/(tau - z), 1/(tau - z)^2 and 1/(tau - z)^3 of crack panels for targets (t,).
+
+    ``on`` (t,) is the panel on whose line a target lies, -1 for none: there the finite part counts. A panel with a tip
+    ends at it; its density is an odd polynomial in the root of the distance.
+    """
+    t, m = len(targets), len(starts)
+    M = np.empty((3, t, m * p), dtype=np.complex128)
+    I = np.empty((3, 2 * p), dtype=np.complex128)
+    for i in range(t):
+        target = targets[i]
+        for k in range(m):
+            base = k * p
+            along = ends[k] - starts[k]
+            if is_tip[k]:
+                zeta = np.sqrt((ends[k] - target) / along)
+                if is_far(zeta):
+                    for j in range(p):
+                        gap = ends[k] - along * tip_x[j] ** 2 - target
+                        step = 2 * along * tip_x[j] * tip_w[j]
+                        M[0, i, base + j] = step / gap
+                        M[1, i, base + j] = step / gap**2
+                        M[2, i, base + j] = step / gap**3
+                    continue
+                if on[i] == k:
+                    zeta = complex(zeta.real, 0.0)
+                    log = complex(line_log(zeta.real), 0.0)
+                else:
+                    log = chord_log(zeta)
+                moments(zeta, log, 2, I)
+                slope = -1.0 / (2 * along * zeta)
+                bend = -1.0 / (4 * along**2 * zeta**3)
+                for j in range(p):
+                    one, two, three = 0.0j, 0.0j, 0.0j
+                    for n in range(p):
+                        one += I[0, 2 * n + 1] * tip_inverse[n, j]
+                        two += I[1, 2 * n + 1] * tip_inverse[n, j]
+                        three += I[2, 2 * n + 1] * tip_inverse[n, j]
+                    M[0, i, base + j] = -one
+                    M[1, i, base + j] = -two * slope
+                    M[2, i, base + j] = -0.5 * (three * slope**2 + two * bend)
+                continue
+            middle, half = 0.5 * (starts[k] + ends[k]), 0.5 * along
+            zeta = (target - middle) / half
+            if is_far(zeta):
+                for j in range(p):
+                    gap = middle + half * x[j] - target
+                    step = half * w[j]
+                    M[0, i, base + j] = step / gap
+                    M[1, i, base + j] = step / gap**2
+                    M[2, i, base + j] = step / gap**3
+                continue
+            if on[i] == k:
+                zeta = complex(zeta.real, 0.0)
+                log = complex(line_log(zeta.real), 0.0)
+            else:
+                log = chord_log(zeta)
+            moments(zeta, log, 2, I[:, :p])
+            for j in range(p):
+                one, two, three = 0.0j, 0.0j, 0.0j
+                for n in range(p):
+                    one += I[0, n] * inverse[n, j]
+                    two += I[1, n] * inverse[n, j]
+                    three += I[2, n] * inverse[n, j]
+                M[0, i, base + j] = one
+                M[1, i, base + j] = two / half
+                M[2, i, base + j] = 0.5 * three / half**2
+    return M
