@@ -76,11 +76,6 @@ def print_fracture(result: xr.Dataset) -> None:
             " there.",
             soft_wrap=True,
         )
-    if slid := result.attrs["sliding_tips"]:
-        out.print(
-            f"In {slid} steps a closed crack would have slid on first, which is not simulated: U_T is too high.",
-            soft_wrap=True,
-        )
     if touches := int(result.touches.sum()):
         contact = result.attrs["contact"]
         says = "overlap, and nothing holds them" if contact == "none" else f"hold each other, {contact}"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
-from slmm.fracture.engine import Rules, competing_events, growth_load, slides, unloaded
+from slmm.fracture.engine import Rules, competing_events, growth_load, unloaded
 from slmm.fracture.events import Event, Kind
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
@@ -49,10 +49,6 @@ class BoundaryState:
         """Whether faces of cracks hold each other over more than the last points before their ends."""
         touching = self.model.touching
         return bool(len(touching) and touching.mean() > TOUCHING)
-
-    def slides_before(self, load: float) -> bool:
-        """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
-        return slides(self.model.stress_intensities(), load, self.model.body.material)
 
     def events(self, rules: Rules) -> list[Event]:
         """What may happen next, where it competes with the lowest load."""

@@ -46,10 +46,6 @@ class State(Protocol):
         """Whether faces of cracks meet."""
         ...
 
-    def slides_before(self, load: float) -> bool:
-        """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
-        ...
-
     def events(self, rules: Rules) -> list[Event]:
         """What may happen next, where it competes with the lowest load."""
         ...
@@ -86,12 +82,6 @@ def growth_load(K: Array, material: Material) -> float:
     return float(np.sqrt(material.G_c / energy_release_rate(K_I, K_II, material)))
 
 
-def slides(K: Array, load: float, material: Material) -> bool:
-    """Whether a closed one of tips with K_I and K_II (k, 2) would slide on, by its K_II alone, below a load."""
-    closed = K[K[:, 0] <= 0]
-    return any(growth_load(np.array([0.0, K_II]), material) < load for K_II in closed[:, 1] if K_II)
-
-
 def competing_events(
     part: Part,
     K: Array,
@@ -108,7 +98,7 @@ def competing_events(
     K : ndarray, shape (k, 2)
         K_I and K_II of its tips, MPa sqrt(mm).
     closed : ndarray, shape (k,)
-        K_I up to which a tip is closed, for all that the model resolves.
+        Stress intensities up to which there are none, for all that the model resolves.
     first_cracks : callable
         Cracks that may start, given the load above which they are of no interest.
     material : Material

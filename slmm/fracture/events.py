@@ -78,14 +78,14 @@ def growths(tips: Sequence[Array], K: Array, material: Material, direction: Dire
     tips : sequence of ndarray, shape (n, 2)
         The line that leads to each tip, mm, the tip last.
     K : ndarray, shape (k, 2)
-        K_I and K_II, MPa sqrt(mm). Tips that do not open, as beside a crack that has passed, do not grow.
+        K_I and K_II, MPa sqrt(mm). Closed tips have no K_I; those without either do not grow.
     material : Material
     direction : callable
         The angle by which a tip turns, from its K_I and K_II.
     """
     found = []
     for k, (line, (K_I, K_II)) in enumerate(zip(tips, K.tolist(), strict=True)):
-        if K_I < 0 or K_I == K_II == 0:
+        if K_I == K_II == 0:
             continue
         along = (line[-1] - line[-2]) / np.linalg.norm(line[-1] - line[-2])
         kink = direction(K_I, K_II)

@@ -16,7 +16,7 @@ from slmm.boundary.contour import Places
 from slmm.criteria.distances import point_distance
 from slmm.fem.plate_model import PlateModel
 from slmm.fracture.contour_integrals import stress_intensities
-from slmm.fracture.engine import Rules, competing_events, growth_load, slides, unloaded
+from slmm.fracture.engine import Rules, competing_events, growth_load, unloaded
 from slmm.fracture.events import Event, Kind, starts
 from slmm.fracture.fem_mesh import clear_radii, crack_mesh
 from slmm.fracture.fem_surface import Ring, rings
@@ -92,10 +92,6 @@ class FemState:
     def K(self) -> Array:
         """K_I and K_II (k, 2) of the part's tips, MPa sqrt(mm)."""
         return tip_stress_intensities(self.model, self.part)
-
-    def slides_before(self, load: float) -> bool:
-        """Whether a closed tip would slide on, by its K_II alone, below a critical load."""
-        return slides(self.K, load, self.material)
 
     def events(self, rules: Rules) -> list[Event]:
         """What may happen next, where it competes with the lowest load; cracks start by the point method."""

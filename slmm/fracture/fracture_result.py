@@ -164,7 +164,6 @@ def fracture_result(
     )
     competing = int(np.sum(gap < COMPETING))
     result.attrs["competing_events"] = competing
-    result.attrs["sliding_tips"] = history.slid
     result["gap"].attrs["comment"] = (
         f"below {COMPETING:g} events compete, and the path may fork; ties below 1e-5 go to tips before starts, "
         "then to the lowest hole, y and x"

@@ -73,8 +73,6 @@ class Step:
         By which share the next event's load was higher; NaN where there was none.
     touches : bool
         Whether faces of cracks held each other.
-    slides : bool
-        Whether a closed tip would have slid on before; that is not simulated.
     candidates : tuple of Candidate
         All that was in question, the event among it.
     finer : (float, float)
@@ -90,7 +88,6 @@ class Step:
     length: float
     gap: float
     touches: bool
-    slides: bool
     candidates: tuple[Candidate, ...]
     finer: tuple[float, float] = (math.nan, math.nan)
 
@@ -122,8 +119,6 @@ class History:
         Displacement to which the part was loaded after the last step, mm; 0 if not at all.
     next_u : float
         Critical displacement of the event that this came before, mm; NaN without one.
-    slides : bool
-        Whether after the last step a closed tip would have slid on; that is not simulated.
     """
 
     steps: list[Step] = field(default_factory=list)
@@ -132,17 +127,11 @@ class History:
     last_stiffness: float = 0.0
     last_u: float = 0.0
     next_u: float = math.nan
-    slides: bool = False
 
     @property
     def u(self) -> float:
         """Displacement so far, mm: it never falls."""
         return max((step.u_c for step in self.steps), default=0.0)
-
-    @property
-    def slid(self) -> int:
-        """Solutions in which a closed tip would have slid on before what happened."""
-        return sum(step.slides for step in self.steps) + self.slides
 
     @property
     def loads(self) -> Array:

@@ -249,12 +249,10 @@ class Simulation:
         history.last_stiffness = F / u
         events = state.events(self.rules)
         if not events:
-            history.slides = state.slides_before(self.largest / u)
             return Outcome.NO_EVENT
         event, gap = next_event(events)
-        slides = state.slides_before(min(event.load, self.largest / u))
         if event.load * u > self.largest:
-            history.slides, history.last_u, history.next_u = slides, self.largest, event.load * u
+            history.last_u, history.next_u = self.largest, event.load * u
             return Outcome.LARGEST
         grown = self._grown(event, event.load * u)
         finer = (math.nan, math.nan)
@@ -272,7 +270,6 @@ class Simulation:
             float(np.linalg.norm(grown.end - event.point)),
             gap,
             state.touches,
-            slides,
             tuple(self._candidate(event, u) for event in events),
             finer,
         )

@@ -278,10 +278,23 @@ def test_beams_under_a_knife_edge_break_from_the_notch():
     assert float(result.F[1]) == pytest.approx(F, rel=0.02)
 
 
-def test_a_closed_crack_that_would_slide_is_told():
-    """Under compression a crack at 45 degrees is held closed, and by Griffith its sliding comes first."""
-    compressed = tensile_plate(cracks=[{"points": [[30.0, 30.0], [50.0, 50.0]]}], load={"stress": -10.0})
-    result = simulate(compressed)
-    assert result.sizes["step"] == 0 or bool(result.touches[0])
-    assert result.attrs["sliding_tips"] >= 1
-    assert simulate(tensile_plate(), increment=4.0).attrs["sliding_tips"] == 0
+def test_wings_grow_from_a_closed_crack_under_compression():
+    """Its faces slide without friction, by K_II = sigma sqrt(pi a)/2; wings open at 70.5 degrees from either tip."""
+    half = 5.0 * np.sqrt(2.0)
+    compressed = tensile_plate(
+        cracks=[{"points": [[35.0, 35.0], [45.0, 45.0]]}],
+        load={"stress": -10.0},
+        material={"sigma_c": 500.0},
+    )
+    result = simulate(compressed, 1.0, largest_displacement=0.65, errors=False)
+    assert result.event.values.tolist() == ["growth", "growth"] and bool(result.touches.all())
+    assert result.K_I.values == pytest.approx(0.0, abs=1e-12)
+    assert np.abs(result.K_II.values) == pytest.approx(compressed.material.K_Ic, rel=1e-6)
+    # the plate is six times as wide as the crack is long
+    stress = float(result.F[1]) / (80.0 * compressed.part.thickness)
+    assert stress == pytest.approx(compressed.material.K_Ic / (0.5 * np.sqrt(np.pi * half)), rel=0.05)
+    for x, y in zip(result.x.values, result.y.values, strict=True):
+        tip = 35.0 if x < 40.0 else 45.0
+        wing, on = np.array([x - tip, y - tip]), np.sign(tip - 40.0) * np.ones(2)
+        cosine = wing @ on / np.linalg.norm(wing) / np.sqrt(2.0)
+        assert np.degrees(np.arccos(cosine)) == pytest.approx(70.53, abs=0.2)
