@@ -242,7 +242,7 @@ class _NearSegment(NamedTuple):
         between = np.abs((self.begin + np.abs(z - self.start))[:, None] - self.way)
         to_cracks[to_cracks >= COMES_BACK * between] = np.inf
         return min(
-            PER_DISTANCE * float(np.abs(z[:, None] - self.surfaces).min(initial=np.inf)),
+            PER_DISTANCE * float(_nearest(z, self.surfaces)),
             PER_CRACK * float(to_cracks.min(initial=np.inf)),
         )
 
