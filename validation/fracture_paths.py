@@ -200,7 +200,7 @@ def three_holes() -> tuple[list[Check], list[np.ndarray]]:
 def bent() -> list[Check]:
     """Half disks; the first kink is that of K_I and K_II, the measured one also that of T."""
     checks = []
-    for degrees in ("10", "30", "43"):
+    for degrees in ("10", "30", "43", "50"):
         path = path_of(simulate(half_disk(float(degrees)), errors=False))
         far = off(measured("scb_paths.csv", beta_deg=degrees)[1:-1], path)
         case = f"half disk, {degrees} degrees"
