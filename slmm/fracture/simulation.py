@@ -16,7 +16,7 @@ from slmm.fracture.directions import DIRECTIONS
 from slmm.fracture.engine import Engine, Rules
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.fem_engine import FemEngine
-from slmm.fracture.first_cracks import INITIATIONS
+from slmm.fracture.first_cracks import INITIATIONS, point_method
 from slmm.fracture.fracture_result import fracture_result
 from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
 from slmm.fracture.growth import LOOK_AHEAD, Surroundings
@@ -230,6 +230,8 @@ class Simulation:
         for k, step in enumerate(steps):
             if solves and self.engine.keeps:
                 state = self.engine.solve(self.part)
+                if self.rules.initiation is not point_method:  # trial cracks leave their panels behind
+                    state.events(self.rules)
                 if math.isfinite(step.finer[0]):
                     state.finer(step.event)
             grown = self._grown(step.event, step.u_c)

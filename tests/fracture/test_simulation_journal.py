@@ -129,3 +129,14 @@ def test_a_digest_knows_all_that_breaks_and_nothing_else():
     ]
     assert len({digest_of(one) for one in changed}) == len(changed)
     assert digest_of(scene.with_(analysis={"positions": 7}, title="x")) == digest_of(scene)
+
+
+def test_trial_cracks_do_not_show_after_a_stop(tmp_path):
+    path = tmp_path / "run.jsonl"
+    result = simulate(plate(), INCREMENT, "coupled", journal=path)
+    lines = path.read_bytes().splitlines(keepends=True)
+    for k in range(2, len(lines) - 1, 3):
+        path.write_bytes(b"".join(lines[:k]))
+        xr.testing.assert_identical(
+            simulate(plate(), INCREMENT, "coupled", journal=path, resume=True), result
+        )
