@@ -1,7 +1,7 @@
 """The journal of a simulation: steps as records that are read back to the bit, and what the run is.
 
-A simulation that is resumed lets happen again what is in it. An engine that keeps panels and equations from one solution
-to the next solves every step again, for the last digits of what comes next depend on them.
+A simulation that is resumed lets happen again what is in it. An engine that keeps panels and equations from one
+solution to the next solves every step again, for the last digits of what comes next depend on them.
 """
 
 from __future__ import annotations
