@@ -3,8 +3,9 @@
 Required: at most 1 ms for each position (placement, fit, superposition, both criteria), and a second start of the main
 job, ``slmm initiation examples/notch.toml``, here also with its file and picture, in under 5 s. The best of several
 runs counts. On a machine that others keep busy (load above 1) wall times are told without a verdict; the CPU time of
-all threads, which is no less than the wall time of an idle machine, is held to the same limits. What a start of a
-circle costs is told as a multiple of ``import numpy``, both in CPU time and taken by turns: the median of the ratios.
+all threads, which is no less than the wall time of an idle machine, is held to the same limits. A whole process of
+a circle takes at most 12 times the CPU time of ``import numpy`` by SLMM+AC and 30 by the default method, both taken by
+turns: the median of the ratios.
 
 Writes validation/results/speed.csv and .png; half a minute, ``--quick`` 20 s and no files.
 """
@@ -125,9 +126,10 @@ def main(quick: bool = False) -> list[Check]:
         Check("50 positions, circular hole", "CPU ms each", MILLISECONDS, fifty["cpu_ms"], rule="at most"),
         Check("second start of the main job", "wall s", SECONDS, wall, rule=by_wall),
         Check("second start of the main job", "CPU s", SECONDS, cpu, rule="at most"),
-        # numpy itself takes half as much again where BLAS has several threads, so this is told and not required
         *(
-            Check(f"start of a circle, {method}", "CPU over import numpy", STARTS[method], ratio, rule="told")
+            Check(
+                f"start of a circle, {method}", "CPU over import numpy", STARTS[method], ratio, rule="at most"
+            )
             for method, ratio in starts.items()
         ),
     ]
