@@ -14,6 +14,9 @@ from slmm.mechanics.material import Material
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 PARTS = sorted((Path(__file__).parents[1] / "examples" / "parts").glob("*.toml"))
+#: share of the largest index below which two models may differ by more than they tell (chosen): voxels are larger than
+#: the stretches that hold and load some of the parts
+UNTOLD = {"body-fitted": 1e-4, "voxels": 1e-3}
 
 
 @pytest.mark.parametrize("scene_file", EXAMPLES, ids=lambda path: path.stem)
@@ -50,7 +53,7 @@ def test_the_v_notch_is_little_stronger_than_a_crack_of_its_depth():
 
 @pytest.mark.parametrize("scene_file", PARTS, ids=lambda path: path.stem)
 def test_part_by_boundary_integrals_on_a_mesh_and_on_voxels(scene_file, tmp_path):
-    """The stress along all surfaces by all, within what both estimate and one percent of the largest."""
+    """The stress along all surfaces by all, within what both estimate."""
     picture = tmp_path / "picture.png"
     command = [
         "initiation",
@@ -68,11 +71,11 @@ def test_part_by_boundary_integrals_on_a_mesh_and_on_voxels(scene_file, tmp_path
     scene = read_scene(scene_file)
     one, *others = (
         failure_indices(scene.with_(analysis={"local_model": model}), "rankine", positions=7)
-        for model in ("boundary", "body-fitted", "voxels")
+        for model in ("boundary", *UNTOLD)
     )
-    for other in others:
+    for untold, other in zip(UNTOLD.values(), others, strict=True):
         both = np.isfinite(one.failure_index) & np.isfinite(other.failure_index)
         assert both.sum() >= 4
         apart = np.abs(one.failure_index - other.failure_index)[both]
         told = (one.failure_index_error + other.failure_index_error)[both]
-        assert (apart <= told + 0.01 * other.failure_index.max()).all()
+        assert (apart <= told + untold * other.failure_index.max()).all()

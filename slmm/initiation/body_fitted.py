@@ -10,7 +10,7 @@ import numpy as np
 from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
-from slmm.fem.supports import at_supports
+from slmm.fem.supports import at_supports, at_unsmooth_stress
 from slmm.initiation.local_model import rasterised
 from slmm.initiation.uncracked import Raster
 from slmm.mechanics.richardson import extrapolated
@@ -118,15 +118,16 @@ def solve_body_fitted(
         Without the extra ``fea``.
     """
     policy = SizePolicy(turn=angle_max)
-    points, sizes = at_supports(scene.part, scene.loading, policy)
+    fine = [find(scene.part, scene.loading, policy) for find in (at_supports, at_unsmooth_stress)]
     if fine_at is not None:
-        points, sizes = np.concatenate([points, fine_at[0]]), np.concatenate([sizes, fine_at[1]])
+        fine.append(fine_at)
+    points, sizes = (np.concatenate(each) for each in zip(*fine, strict=True))
     mesh = plate_mesh(scene.part, None, policy, (points, sizes), scene.loading.ends)
-    coarse, fine = (
+    coarse, finer = (
         PlateModel(each, scene.material, scene.loading, scene.part.thickness)
         for each in (mesh, mesh.refined())
     )
-    return BodyFitted(coarse, fine, rasterised(scene))
+    return BodyFitted(coarse, finer, rasterised(scene))
 
 
 @dataclass(frozen=True)
