@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from slmm.boundary.moments import chord_log, is_far, line_log, moments
+from slmm.boundary.moments import chord_log, is_beyond, is_far, line_log, moments
+
+
+@njit(cache=True, error_model="numpy")
+def _inverse(gap):
+    """1/gap, by products alone."""
+    r = 1.0 / (gap.real * gap.real + gap.imag * gap.imag)
+    return complex(gap.real * r, -gap.imag * r)
 
 
 @njit(cache=True)
@@ -27,11 +34,11 @@ def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, ti
                 zeta = np.sqrt((ends[k] - target) / along)
                 if is_far(zeta):
                     for j in range(p):
-                        gap = ends[k] - along * tip_x[j] ** 2 - target
-                        step = 2 * along * tip_x[j] * tip_w[j]
-                        M[0, i, base + j] = step / gap
-                        M[1, i, base + j] = step / gap**2
-                        M[2, i, base + j] = step / gap**3
+                        over = _inverse(ends[k] - along * (tip_x[j] * tip_x[j]) - target)
+                        one = (2 * tip_x[j] * tip_w[j]) * along * over
+                        M[0, i, base + j] = one
+                        M[1, i, base + j] = one * over
+                        M[2, i, base + j] = one * over * over
                     continue
                 if on[i] == k:
                     zeta = complex(zeta.real, 0.0)
@@ -39,8 +46,8 @@ def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, ti
                 else:
                     log = chord_log(zeta)
                 moments(zeta, log, 2, I)
-                slope = -1.0 / (2 * along * zeta)
-                bend = -1.0 / (4 * along**2 * zeta**3)
+                over = 1.0 / (2 * along * zeta)
+                slope, bend = -over, -over * over / zeta
                 for j in range(p):
                     one, two, three = 0.0j, 0.0j, 0.0j
                     for n in range(p):
@@ -49,17 +56,17 @@ def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, ti
                         three += I[2, 2 * n + 1] * tip_inverse[n, j]
                     M[0, i, base + j] = -one
                     M[1, i, base + j] = -two * slope
-                    M[2, i, base + j] = -0.5 * (three * slope**2 + two * bend)
+                    M[2, i, base + j] = -0.5 * (three * slope * slope + two * bend)
                 continue
             middle, half = 0.5 * (starts[k] + ends[k]), 0.5 * along
             zeta = (target - middle) / half
-            if is_far(zeta):
+            if is_beyond(target, middle, half) or is_far(zeta):
                 for j in range(p):
-                    gap = middle + half * x[j] - target
-                    step = half * w[j]
-                    M[0, i, base + j] = step / gap
-                    M[1, i, base + j] = step / gap**2
-                    M[2, i, base + j] = step / gap**3
+                    over = _inverse(middle + half * x[j] - target)
+                    one = w[j] * half * over
+                    M[0, i, base + j] = one
+                    M[1, i, base + j] = one * over
+                    M[2, i, base + j] = one * over * over
                 continue
             if on[i] == k:
                 zeta = complex(zeta.real, 0.0)
@@ -75,5 +82,5 @@ def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, ti
                     three += I[2, n] * inverse[n, j]
                 M[0, i, base + j] = one
                 M[1, i, base + j] = two / half
-                M[2, i, base + j] = 0.5 * three / half**2
+                M[2, i, base + j] = 0.5 * three / (half * half)
     return M

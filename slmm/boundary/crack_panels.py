@@ -238,24 +238,25 @@ class _NearSegment(NamedTuple):
 
     def longest(self, z: Complex) -> float:
         """How long a panel through points z (k,) of the segment may be, mm."""
-        to_cracks = np.abs(z[:, None] - self.cracks)
-        between = np.abs((self.begin + np.abs(z - self.start))[:, None] - self.way)
-        to_cracks[to_cracks >= COMES_BACK * between] = np.inf
-        return min(
-            PER_DISTANCE * float(_nearest(z, self.surfaces)),
-            PER_CRACK * float(to_cracks.min(initial=np.inf)),
-        )
+        return float(_longest(z, self.surfaces, self.cracks, self.way, self.start, self.begin))
 
 
 @njit(cache=True)
-def _nearest(z, those):
-    """The least distance of points (k,) from others (n,)."""
-    least = np.inf
+def _longest(z, surfaces, cracks, way, start, begin):
+    """Kernel of `_NearSegment.longest`."""
+    to_surfaces = to_cracks = np.inf
     for i in range(len(z)):
-        for k in range(len(those)):
-            x, y = z[i].real - those[k].real, z[i].imag - those[k].imag
-            least = min(least, x * x + y * y)
-    return np.sqrt(least)
+        x, y = z[i].real, z[i].imag
+        for k in range(len(surfaces)):
+            u, v = surfaces[k].real - x, surfaces[k].imag - y
+            to_surfaces = min(to_surfaces, u * u + v * v)
+        here = begin + abs(z[i] - start)
+        for k in range(len(cracks)):
+            u, v = cracks[k].real - x, cracks[k].imag - y
+            away = np.sqrt(u * u + v * v)
+            if away < COMES_BACK * abs(here - way[k]):
+                to_cracks = min(to_cracks, away)
+    return min(PER_DISTANCE * np.sqrt(to_surfaces), PER_CRACK * to_cracks)
 
 
 def _segment(

@@ -164,44 +164,58 @@ def stress_of_boundary(panels: Panels, targets: Complex) -> tuple[Complex, Compl
 
 
 class OfCracks(NamedTuple):
-    """Weights (t, m) of the jumps on cracks: in C1 and C3, in P and in the part of Q that is linear in the jump."""
+    """What the jumps on cracks of m points cause at targets (t,).
 
-    C1: Complex
-    C3: Complex
-    P: Complex
-    Q: Complex
+    Attributes
+    ----------
+    moments : ndarray, shape (3, t, m)
+        Weights of 1/(tau - z), 1/(tau - z)^2 and 1/(tau - z)^3.
+    turn : ndarray, shape (m,)
+        Conjugate of a panel's direction over that direction.
+    delta : ndarray, shape (t, m)
+        Distance of a target from a panel's line, as tau - z mirrored there less its conjugate, mm.
+    """
+
+    moments: Complex
+    turn: Complex
+    delta: Complex
 
     def displacement(self, kappa: float) -> Linear:
         """W by the jumps."""
-        return Linear((kappa * self.C1 - self.C1.conj()) / TWO_PI_I, self.C3 / TWO_PI_I)
+        one, two, _ = self.moments
+        return Linear(
+            (kappa * one - one.conj()) / TWO_PI_I, self.delta * (self.turn.conj() / TWO_PI_I) * two.conj()
+        )
+
+    @property
+    def P(self) -> Complex:
+        """Weights (t, m) in P."""
+        return self.moments[1] / TWO_PI_I
+
+    @property
+    def Q(self) -> Complex:
+        """Weights (t, m) in the part of Q that is linear in the jump."""
+        _, two, three = self.moments
+        return two * (-self.turn / TWO_PI_I) - self.delta * three * (2 / TWO_PI_I)
 
 
 def of_cracks(cracks: CrackPanels, targets: Complex, on: NDArray[np.int64]) -> OfCracks:
     """Influence of cracks on targets (t,); ``on`` (t,) is the panel that one lies on, -1 for none."""
-    x, w, inverse = straight_rule(cracks.p)
-    tip_x, tip_w, tip_inverse = tip_rule(cracks.p)
-    M = crack_weights(
+    moments = crack_weights(
         targets,
         on,
         cracks.p,
         cracks.starts,
         cracks.ends,
         cracks.is_tip,
-        x,
-        w,
-        inverse,
-        tip_x,
-        tip_w,
-        tip_inverse,
+        *straight_rule(cracks.p),
+        *tip_rule(cracks.p),
     )
-    rho = np.repeat(cracks.direction.conj() / cracks.direction, cracks.p)
-    start = np.repeat(cracks.starts, cracks.p)
-    delta = rho * (targets[:, None] - start) - np.conj(targets[:, None] - start)
-    panel = np.repeat(np.arange(len(cracks.starts)), cracks.p)
-    delta[panel == on[:, None]] = 0.0
-    return OfCracks(
-        M[0], delta / rho * M[1].conj(), M[1] / TWO_PI_I, (-rho * M[1] - 2 * delta * M[2]) / TWO_PI_I
-    )
+    turn = cracks.direction.conj() / cracks.direction
+    away = targets[:, None] - cracks.starts
+    delta = turn * away - away.conj()
+    delta[np.arange(len(cracks.starts)) == on[:, None]] = 0.0
+    return OfCracks(moments, np.repeat(turn, cracks.p), np.repeat(delta, cracks.p, axis=1))
 
 
 def traction_of(P: Complex, Q: Complex, S: float, e: Complex) -> Linear:

@@ -19,3 +19,10 @@ def test_speed_is_measured():
     checks = script("speed").main(quick=True)
     assert of(checks, "50 positions", "CPU")[0].ours > 0
     assert of(checks, "second start", "CPU")[0].ours > 0
+
+
+@pytest.mark.slow
+def test_errors_of_simulated_fracture_are_charted():
+    checks = script("fracture_chart").main(quick=True)
+    assert of(checks, "6 and 5 points", "error")[0].ours < 3e-3
+    assert of(checks, "6 and 5 points", "seconds")[0].ours > 0
