@@ -27,12 +27,18 @@ class TrialCracks:
     longest : float
         mm; all cracks up to that length lie inside the part and meet no other one.
     exponent : float
-        p above.
+        p above; 0 where a crack goes on.
+    tip : int, optional
+        Which crack tip of the part goes on, from its place; by default the place is one of a surface.
+    solved : int
+        Lengths between two breaks; one fewer tells the error.
 
     Attributes
     ----------
     lengths : ndarray, shape (n,)
         That are solved, mm.
+    K : ndarray, shape (n, 2)
+        K_I and K_II at their tips, MPa sqrt(mm); where K_I is negative the faces would overlap.
     G : ndarray, shape (n,)
         Energy release rate at their tips, N/mm.
 
@@ -57,32 +63,47 @@ class TrialCracks:
     """
 
     def __init__(
-        self, model: BoundaryModel, point: Array, direction: Array, longest: float, exponent: float = 1.0
+        self,
+        model: BoundaryModel,
+        point: Array,
+        direction: Array,
+        longest: float,
+        exponent: float = 1.0,
+        tip: int | None = None,
+        solved: int = SOLVED,
     ) -> None:
         """Solve."""
-        self.longest, self.exponent = longest, exponent
-        x, _ = rule(SOLVED)
+        self.longest, self.exponent, self._solved = longest, exponent, solved
+        x, _ = rule(solved)
         low, high = (longest * np.array(part)[:, None] for part in (BREAKS[:-1], BREAKS[1:]))
         self.lengths = (0.5 * (low + high) + 0.5 * (high - low) * x).ravel()
-        parts = [model.part.with_short_crack(point, point + a * direction) for a in self.lengths]
-        old = model.body
-        tips = [complex(*(point + a * direction)) for a in self.lengths]
-        body = old.divided(parts[-1], tips)
-        solved = [
+        ends = [point + a * direction for a in self.lengths]
+        part, old = model.part, model.body
+        if tip is None:
+            parts = [part.with_short_crack(point, end) for end in ends]
+            body = old.divided(parts[-1], [complex(*end) for end in ends])
+        else:
+            parts = [part.grown(tip, end) for end in ends]
+            body = old if old.serves(parts[-1]) else old.divided(parts[-1])
+        cracked = [
             BoundaryModel(
-                part, old.material, old.loading, old.p, model.crack_p, body, model.contact, old.grading
+                each, old.material, old.loading, old.p, model.crack_p, body, model.contact, old.grading
             )
-            for part in parts
+            for each in parts
         ]
         # tips come in the order of the cracks, the new one's last
-        self.G = np.array([each.energy_release_rates()[-1] for each in solved])
+        number = -1 if tip is None else tip
+        self.K = np.array([each.stress_intensities()[number] for each in cracked])
+        self.G = (self.K**2).sum(axis=1) / old.E
 
     def incremental(self, a: Array) -> Array:
         """G_inc (k,), N/mm, of cracks of lengths a (k,), mm, up to the longest one."""
         t, total = a / self.longest, np.zeros(len(a))
-        power = np.arange(SOLVED)
+        power = np.arange(self._solved)
         order = power + self.exponent + 1
-        solved = zip(*(v.reshape(-1, SOLVED) for v in (self.lengths / self.longest, self.G)), strict=True)
+        solved = zip(
+            *(v.reshape(-1, self._solved) for v in (self.lengths / self.longest, self.G)), strict=True
+        )
         for (s, G), low, high in zip(solved, BREAKS[:-1], BREAKS[1:], strict=True):
             coefficients = np.linalg.solve(s[:, None] ** power, G / s**self.exponent) / order
             total += (np.clip(t, low, high)[:, None] ** order - low**order) @ coefficients

@@ -38,6 +38,7 @@ class Status(StrEnum):
     CRACKED = "no cell: the scene has cracks, which cells and voxels do not see"
     UNKNOWN_SUPPORT = "no cell: what the edges lend to cells is known for [load] alone, not for [[boundary]]"
     NO_DISLOCATIONS = "a corner or crack tip, where dislocations do not start"
+    NO_TRIAL = "no trial cracks: {}"
     STIFF = "no dislocations: they do not know how a stiff stretch answers"
     NEAR_SINGULAR = "a corner or crack tip is so near that the stress depends on the mesh"
     TOUCHED = "no notch of its own: something else touches its tip"

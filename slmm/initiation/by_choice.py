@@ -2,7 +2,8 @@
 
 In order of their cost: the strength alone, where any critical crack is so short that the stress hardly falls along
 it; a crack cell on voxels; the asymptotics of corners and crack tips; dislocations in a body-fitted model of the part;
-a model with a slit for the position. Each method is asked only at the positions that those before could not
+a model with a slit for the position. Without a mesher trial cracks by boundary integrals stand for the last three. Each
+method is asked only at the positions that those before could not
 settle, and the result says what was used where, and why.
 
 The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
@@ -48,7 +49,7 @@ BOUNDS = "bounds"
 ELSEWHERE = "a crack starts elsewhere first: the strength keeps the index below {} of the largest"
 
 MANY_VOXELS = "crack cell: the sharpest notch needs {} voxels, which cost more than a body-fitted model"
-NO_FEA = "the other methods need the extra 'fea', which is not installed"
+NO_FEA = "no method comes closer without the extra 'fea', which is not installed"
 GIVEN = "given displacements serve crack cells alone"
 NOTHING_CLOSER = "no method comes closer"
 
@@ -65,6 +66,10 @@ def by_choice(task: Task) -> Answer:
     if task.displacements is not None:
         return choice.explained(GIVEN)
     if not has_fea:
+        from slmm.initiation.by_boundary import by_boundary
+
+        choice.settle_negligible()
+        choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_boundary(task), choice.open)
         return choice.explained(NO_FEA)
     # these import the finite element libraries
     from slmm.initiation.by_asymptotics import by_asymptotics

@@ -18,6 +18,7 @@ Method = Literal[
     "slmm+ac",
     "asymptotics",
     "griffith",
+    "boundary",
     "dislocations",
     "full-fea",
     "auto",

@@ -107,11 +107,13 @@ def test_sharp_notches_are_not_rastered():
     assert "voxels, which cost more than a body-fitted model" in str(result.reason.values)
 
 
-def test_without_the_finite_element_extra_cells_have_the_last_word(monkeypatch):
+def test_without_the_finite_element_extra_trial_cracks_have_the_last_word(monkeypatch):
     monkeypatch.setattr(by_choice, "find_spec", lambda name: None)
     result = auto(HOLE, SIDE, tolerance=0.001).isel(position=0)
-    assert result.used_method == "slmm+ac" and result.status == "ok"
-    assert NO_FEA in str(result.reason.values)
+    assert result.used_method == "boundary" and result.status == "ok"
+    assert "within 0.1 %" in str(result.reason.values)
+    unreachable = auto(HOLE, SIDE, tolerance=1e-7).isel(position=0)
+    assert NO_FEA in str(unreachable.reason.values)
 
 
 def test_given_displacements_serve_cells_alone():
