@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from slmm.boundary.model import BoundaryModel
 from slmm.criteria.griffith import energy_release_rate
 from slmm.fracture.directions import Direction
-from slmm.fracture.events import COMPETING, Event, growths
+from slmm.fracture.events import COMPETING, TIED, Event, growths
 from slmm.mechanics.material import Material
 from slmm.part.part import Part
 
@@ -92,6 +92,8 @@ def competing_events(
 ) -> list[Event]:
     """Tips that grow and surfaces that crack, those of them that compete with the lowest load.
 
+    Starts that are excluded are told where they would come before all that may happen.
+
     Parameters
     ----------
     part : Part
@@ -110,7 +112,9 @@ def competing_events(
     moved[:, 0] = np.maximum(moved[:, 0], 0.0)
     tips = growths(part.tips, moved, material, direction)
     lowest = min((event.load for event in tips), default=np.inf)
-    return tips + first_cracks(lowest * (1 + COMPETING))
+    found = tips + first_cracks(lowest * (1 + COMPETING))
+    lowest = min((event.load for event in found if not event.excluded), default=np.inf)
+    return [event for event in found if not event.excluded or event.load * (1 + TIED) < lowest]
 
 
 def unloaded(part: Part, stress: float, share: float) -> Array:

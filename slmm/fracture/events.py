@@ -51,6 +51,8 @@ class Event:
         With which a crack starts, mm, by its criterion; 0 where that has none.
     criterion : str
         By which it happens.
+    excluded : str
+        Why it does not happen, for all that its load is critical; empty where it may.
     """
 
     load: float
@@ -62,6 +64,7 @@ class Event:
     K: tuple[float, float] = field(default=(math.nan, math.nan))
     length: float = 0.0
     criterion: str = "griffith"
+    excluded: str = ""
 
     @property
     def rank(self) -> tuple[bool, bool, int, float, float]:
@@ -105,6 +108,7 @@ def starts(sites: Iterable[Site], material: Material) -> list[Event]:
             site.inward,
             hole=site.hole,
             criterion="point",
+            excluded=site.excluded,
         )
         for site in sites
     ]

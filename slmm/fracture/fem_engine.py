@@ -18,9 +18,10 @@ from slmm.fem.plate_model import PlateModel
 from slmm.fracture.contour_integrals import stress_intensities
 from slmm.fracture.engine import Rules, competing_events, growth_load, unloaded
 from slmm.fracture.events import Event, Kind, starts
+from slmm.fracture.exclusion import Exclusion
 from slmm.fracture.fem_mesh import clear_radii, crack_mesh
 from slmm.fracture.fem_surface import Ring, rings
-from slmm.fracture.surface_peaks import Sampled, Site, at_corners, at_peaks, held, may_start
+from slmm.fracture.surface_peaks import Sampled, Site, at_corners, at_peaks
 from slmm.fracture.tips import CrackTip
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
@@ -119,14 +120,17 @@ class FemState:
         return _work(model), self.material.sigma_c / float(principal_stress(stress)[0])
 
     @cached_property
+    def _exclusion(self) -> Exclusion:
+        return Exclusion.of(self.part, self.loading, self.depth)
+
+    @cached_property
     def _sampled(self) -> list[Sampled]:
         """The closed curves around the part with the stress below the mesh's nodes on them."""
         found = []
         for curve in self.curves:
             way = curve.nodes(self.mesh)
             where = curve.at(way)
-            free = may_start(self.part, self.loading, where.points, self.depth)
-            free &= ~held(self.loading, where.points)
+            free = self._exclusion.free(where.points)
             found.append(Sampled(curve, way, free, self._stress_below(where)))
         return found
 
@@ -134,7 +138,7 @@ class FemState:
         """Where cracks may start, the highest stress first, MPa, none below the least."""
         free = [each._replace(below=np.where(each.allowed, each.below, -np.inf)) for each in self._sampled]
         found = at_corners(self.part, self.loading, self._stress_below, self.depth)
-        found += at_peaks(free, self._stress_below, least)
+        found += at_peaks(free, self._stress_below, least, self._exclusion)
         return sorted((site for site in found if site.stress >= least), key=lambda site: -site.stress)
 
     def _stress_below(self, where: Places) -> Array:

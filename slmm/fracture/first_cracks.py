@@ -8,6 +8,7 @@ the surface alone keeps a site above what else happens, nothing dearer is asked.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -35,6 +36,9 @@ LESS_STRESS = 0.7
 IN_IRWIN_LENGTHS, LONGER = 1.5, 4.0
 #: no trial crack reaches farther to the next surface or crack; chosen
 IN_LIGAMENT = 0.8
+#: trial cracks in a ligament are no shorter than so many of the part's tolerances; the shortest of a set is 1/247 of
+#: the longest, and below a tolerance it is none; round-off
+SHORTEST_IN_LIGAMENT = 250.0
 #: lengths, over the longest, at which both criteria are compared; the stress falls near the surface; chosen
 COMPARED = (np.arange(60) + 1.0) ** 2 / 60.0**2
 #: a cell knows nothing of cracks that are nearer than so many of its heights; chosen
@@ -64,20 +68,28 @@ class CoupledCriterion:
         return self.at(model, critical_sites(model, LESS_STRESS * model.body.material.sigma_c / load), load)
 
     def at(self, model: BoundaryModel, sites: list[Site], load: float) -> list[Event]:
-        """Cracks that start at some of the sites."""
-        found: list[Event] = []
+        """Cracks that start at some of the sites, and what would start at excluded ones by the point method."""
+        found = starts([site for site in sites if site.excluded], model.body.material)
         for site in sites:
-            event = self._start(model, site, load)
+            event = None if site.excluded else self._start(model, site, load)
             if event is not None:
                 found.append(event)
-                load = min(load, event.load)
+                load = load if event.excluded else min(load, event.load)
         return found
 
     def _start(self, model: BoundaryModel, site: Site, load: float) -> Event | None:
-        """The crack that starts at a site, if its load may be below another."""
+        """The crack that starts at a site, if its load may be below another.
+
+        In a thin ligament a longer crack always needs less: what the longest one needs is an upper bound of the load.
+        """
         material = model.body.material
         way = self.surroundings.way(site.point, site.inward, [crack.points for crack in model.part.cracks])
         longest = min(IN_IRWIN_LENGTHS * material.irwin_length, IN_LIGAMENT * way)
+        shortest = SHORTEST_IN_LIGAMENT * model.part.tolerance
+        if longest == IN_LIGAMENT * way and longest < shortest:
+            least = shortest / IN_LIGAMENT
+            excluded = f"in a ligament of {way:.3g} mm, too thin for trial cracks: at least {least:.3g} mm"
+            return replace(starts([site], material)[0], excluded=excluded)
         while True:
             a = longest * COMPARED
             points = site.point + a[:, None] * site.inward
@@ -85,14 +97,12 @@ class CoupledCriterion:
             if material.sigma_c > load * stress.max():
                 return None
             trial = TrialCracks(model, site.point, site.inward, longest, _exponent(model, site))
-            critical = coupled_criterion(a, trial.incremental(a), stress, material)
+            G_inc = trial.incremental(a)
+            critical = coupled_criterion(a, G_inc, stress, material)
             if not np.isnan(critical.load_factor):
                 break
             if longest >= IN_LIGAMENT * way:
-                raise ValueError(
-                    f"no crack up to {longest:.3g} mm at ({site.point[0]:.4g}, {site.point[1]:.4g}) sets enough energy "
-                    f"free, and there is not more material: Irwin's length is {material.irwin_length:.3g} mm"
-                )
+                return _event(site, float(np.sqrt(material.G_c / G_inc[-1])), longest, "coupled, at most")
             longest = min(LONGER * longest, IN_LIGAMENT * way)
         if not np.isfinite(critical.load_factor):
             return None
@@ -142,7 +152,7 @@ class CellCriterion:
     def __call__(self, model: BoundaryModel, load: float) -> list[Event]:
         """Cracks that may start below a load."""
         sites = critical_sites(model, LESS_STRESS * model.body.material.sigma_c / load)
-        on_holes = [site for site in sites if site.hole >= 0]
+        on_holes = [site for site in sites if site.hole >= 0 and not site.excluded]
         by_cell = self._by_cells(model, on_holes) if on_holes else {}
         found = [_event(on_holes[k], *critical, "slmm+ac") for k, critical in by_cell.items()]
         others = [site for site in sites if site.hole < 0 or not any(site is on_holes[k] for k in by_cell)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from slmm.fracture.equilibrium import equilibrium_path, force_control, released_in_equilibrium
 from slmm.fracture.events import COMPETING
-from slmm.fracture.history import Candidate, History
+from slmm.fracture.history import Candidate, Excluded, History
 from slmm.fracture.stable_growth import left_out
 from slmm.part.part import Part
 from slmm.running.labelled import labelled
@@ -49,6 +49,7 @@ def fracture_result(
     x, y, step = _paths(part, reached)
     dissipated = np.array([s.length for s in steps]) * scene.material.G_c * part.thickness
     candidates = [(k, candidate) for k, step in enumerate(steps) for candidate in step.candidates]
+    excluded = [(k, each) for k, step in enumerate(steps) for each in step.excluded]
     path, controlled, lacks = equilibrium_path(history), force_control(history), left_out(history, dissipated)
     U_T, discretisation = history.toughness, COVERS * history.discretisation_error
     work = float(np.trapezoid(F, u))
@@ -106,6 +107,7 @@ def fracture_result(
             "crack_y": (("crack", "point"), y, "mm", "y along the cracks"),
             "crack_step": (("crack", "point"), step, "1", "step that led there, -1 before the first"),
             **_candidates(candidates),
+            **_excluded(excluded),
             "equilibrium_u": ("state", path.u, "mm", "displacement along the equilibrium path"),
             "equilibrium_F": ("state", path.F, "N", "force along the equilibrium path"),
             "equilibrium_step": ("state", path.step, "1", "step that happens there, -1 for none"),
@@ -162,6 +164,9 @@ def fracture_result(
         error_is=ERROR_IS,
         **settings,
     )
+    if excluded:
+        reasons = "; ".join(sorted({each.reason for _, each in excluded}))
+        result.attrs["excluded_starts"] = f"critical before what happened, and not let crack: {reasons}"
     competing = int(np.sum(gap < COMPETING))
     result.attrs["competing_events"] = competing
     result["gap"].attrs["comment"] = (
@@ -188,6 +193,23 @@ def _candidates(candidates: Sequence[tuple[int, Candidate]]) -> dict[str, tuple[
         "y": (np.array([c.y for c in every]), "mm", "y of the tip or the place on the surface"),
     }
     return {f"candidate_{name}": ("candidate", *labels) for name, labels in values.items()}
+
+
+def _excluded(excluded: Sequence[tuple[int, Excluded]]) -> dict[str, tuple[str, Any, str, str]]:
+    """Surfaces that would have cracked first, and are not let, step by step."""
+    every = [each for _, each in excluded]
+    values = {
+        "step": (
+            np.array([k for k, _ in excluded], dtype=int),
+            "1",
+            "step before which it would have cracked",
+        ),
+        "u_c": (np.array([e.u_c for e in every]), "mm", "critical displacement of what is not let crack"),
+        "x": (np.array([e.x for e in every]), "mm", "x of what is not let crack"),
+        "y": (np.array([e.y for e in every]), "mm", "y of what is not let crack"),
+        "reason": (np.array([e.reason for e in every], dtype=str), "1", "why it is not let crack"),
+    }
+    return {f"excluded_{name}": ("excluded", *labels) for name, labels in values.items()}
 
 
 def _paths(part: Part, reached: Sequence[Sequence[int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -50,6 +50,25 @@ class Candidate(NamedTuple):
     y: float
 
 
+class Excluded(NamedTuple):
+    """A surface that would have cracked before the event of a step, and is not let.
+
+    Attributes
+    ----------
+    u_c : float
+        Its critical displacement, mm.
+    x, y : float
+        Where, mm.
+    reason : str
+        Why it does not crack.
+    """
+
+    u_c: float
+    x: float
+    y: float
+    reason: str
+
+
 @dataclass(frozen=True)
 class Step:
     """One event.
@@ -77,6 +96,8 @@ class Step:
         All that was in question, the event among it.
     finer : (float, float)
         Stiffness, N/mm, and critical displacement, mm, of a finer model; NaN where it was not asked.
+    excluded : tuple of Excluded
+        What was critical before, and is not let happen.
     """
 
     u_c: float
@@ -90,6 +111,7 @@ class Step:
     touches: bool
     candidates: tuple[Candidate, ...]
     finer: tuple[float, float] = (math.nan, math.nan)
+    excluded: tuple[Excluded, ...] = ()
 
     @property
     def kind(self) -> Kind:
@@ -112,7 +134,7 @@ class History:
     steps : list of Step
     outcome : Outcome
     reason : str
-        What failed.
+        What failed, or is not let happen.
     last_stiffness : float
         After the last step, N/mm; 0 of a severed part.
     last_u : float

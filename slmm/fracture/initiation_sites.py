@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from slmm.boundary.contour import Contour, Places
 from slmm.boundary.model import BESIDE, BoundaryModel
 from slmm.criteria.distances import point_distance
-from slmm.fracture.surface_peaks import BETWEEN, SOUGHT, Sampled, Site, at_corners, at_peaks, may_start
+from slmm.fracture.exclusion import Exclusion
+from slmm.fracture.surface_peaks import BETWEEN, Sampled, Site, at_corners, at_peaks
 from slmm.mechanics.stress import principal_stress
 
 Array = NDArray[np.float64]
@@ -21,10 +22,15 @@ Array = NDArray[np.float64]
 ABOVE_SURFACE = 1.3
 #: less than this share of the largest stress along surfaces is no tension; round-off and discretisation
 NO_TENSION = 1e-3
+#: peaks of the stress along surfaces that are asked first, and points to either side of each, among which the stress at
+#: depth has its own peak; chosen
+FIRST, TO_EITHER_SIDE = 3, 2
 
 
 def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
     """Peaks of the principal stress at the critical distance below the free surfaces, the highest first.
+
+    Places are among them where the stress rises to the end of what may crack; they say why they are excluded.
 
     Parameters
     ----------
@@ -40,14 +46,13 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
 
     hoop = model.hoop
     least = max(least, NO_TENSION * float(np.abs(hoop).max()))
-    free = ~model.body.known.held.any(axis=1) & may_start(
-        part, loading, np.column_stack([z.real, z.imag]), depth
-    )
+    exclusion = Exclusion.of(part, loading, depth)
+    free = ~model.body.known.held.any(axis=1) & exclusion.is_clear(np.column_stack([z.real, z.imag]))
     hoop = np.where(free, ABOVE_SURFACE * hoop, -np.inf)
     found = at_corners(part, loading, stress_below, depth)
     least = max(least, max((site.stress for site in found), default=0.0) / BETWEEN)
     if hoop.max(initial=-np.inf) > least:
-        found += at_peaks(_sampled(model, depth, hoop, least), stress_below, least)
+        found += at_peaks(_sampled(model, depth, hoop, least), stress_below, least, exclusion)
     return sorted((site for site in found if site.stress >= least), key=lambda site: -site.stress)
 
 
@@ -65,18 +70,34 @@ def _stress_below(model: BoundaryModel, where: Places, depth: float) -> Array:
 def _sampled(model: BoundaryModel, depth: float, hoop: Array, least: float) -> list[Sampled]:
     """The closed curves around the part, with the stress at depth wherever it could be above the least."""
     panels = model.panels
-    below = np.full(panels.n, -np.inf)
-    todo = hoop > least
-    # first where the surface's own stress is largest: the others need to beat that
-    first = np.flatnonzero(todo)[np.argsort(hoop[todo])[-SOUGHT:]]
-    for rows in (first, None):
-        if rows is None:
-            rows = np.flatnonzero(todo & (hoop > max(least, below.max() / BETWEEN)) & np.isneginf(below))
-        if len(rows):
-            z, normal = panels.z[rows], 1j * panels.tangent[rows]
-            points, inward = (np.column_stack([v.real, v.imag]) for v in (z, normal))
-            below[rows] = _stress_below(model, Places(points, inward, rows), depth)
     contours = [Contour(model.part, panels, int(number)) for number in np.unique(panels.contour)]
+    before, behind = np.empty((2, panels.n), dtype=int)
+    for contour in contours:
+        before[contour.nodes], behind[contour.nodes] = np.roll(contour.nodes, 1), np.roll(contour.nodes, -1)
+    below = np.full(panels.n, -np.inf)
+
+    def ask(rows: NDArray[np.int64]) -> None:
+        z, normal = panels.z[rows], 1j * panels.tangent[rows]
+        points, inward = (np.column_stack([v.real, v.imag]) for v in (z, normal))
+        below[rows] = _stress_below(model, Places(points, inward, rows), depth)
+
+    def tops(value: Array) -> NDArray[np.bool_]:
+        beside = np.minimum(value[before], value[behind])
+        return np.isfinite(beside) & (value >= value[before]) & (value >= value[behind])
+
+    # first where the surface's own stress has its highest peaks: all others need to beat what they have at depth
+    todo = hoop > least
+    first = np.flatnonzero(todo & tops(hoop))
+    rows = first[np.argsort(hoop[first])[-FIRST:]]
+    for _ in range(TO_EITHER_SIDE):
+        rows = np.unique(np.concatenate([rows, before[rows], behind[rows]]))
+    rows = rows[np.isfinite(hoop[rows])]
+    if len(rows):
+        ask(rows)
+    highest = float(below[tops(below)].max(initial=-np.inf))
+    rows = np.flatnonzero(todo & (hoop > max(least, highest / BETWEEN)) & np.isneginf(below))
+    if len(rows):
+        ask(rows)
     return [
         Sampled(contour, contour.way, np.isfinite(hoop)[contour.nodes], below[contour.nodes])
         for contour in contours

@@ -15,7 +15,7 @@ import numpy as np
 
 from slmm import __version__
 from slmm.fracture.events import Event, Kind
-from slmm.fracture.history import Candidate, History, Outcome, Step
+from slmm.fracture.history import Candidate, Excluded, History, Outcome, Step
 from slmm.part.outline import Outline
 from slmm.scene.scene import Scene
 
@@ -74,6 +74,7 @@ def record_of(step: Step) -> dict[str, Any]:
         **{name: getattr(step, name) for name in Step.__dataclass_fields__},
         "event": event,
         "candidates": [list(candidate) for candidate in step.candidates],
+        "excluded": [list(excluded) for excluded in step.excluded],
     }
 
 
@@ -91,7 +92,9 @@ def step_of(record: Mapping[str, Any]) -> Step:
         event |= {"kind": Kind(event["kind"]), "K": tuple(event["K"])}
         pairs = {name: tuple(record[name]) for name in ("end", "finer")}
         candidates = tuple(Candidate(u_c, Kind(kind), *where) for u_c, kind, *where in record["candidates"])
-        return Step(**{**record, **pairs, "event": Event(**event), "candidates": candidates})
+        excluded = tuple(Excluded(*values) for values in record["excluded"])
+        lists = {"candidates": candidates, "excluded": excluded}
+        return Step(**{**record, **pairs, **lists, "event": Event(**event)})
     except (KeyError, TypeError) as error:
         raise ValueError(f"a step of a simulation is damaged: {error}") from error
 

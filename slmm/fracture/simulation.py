@@ -20,7 +20,7 @@ from slmm.fracture.first_cracks import INITIATIONS, point_method
 from slmm.fracture.fracture_result import fracture_result
 from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
 from slmm.fracture.growth import LOOK_AHEAD, Surroundings
-from slmm.fracture.history import Candidate, History, Outcome, Step
+from slmm.fracture.history import Candidate, Excluded, History, Outcome, Step
 from slmm.fracture.journal import end_of, history_of, record_of, run_of, step_of
 from slmm.fracture.lengths import Lengths, lengths_of
 from slmm.fracture.work_conjugate import work_conjugate
@@ -249,8 +249,18 @@ class Simulation:
         state = self.engine.solve(self.part)
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
-        events = state.events(self.rules)
+        found = state.events(self.rules)
+        events = [event for event in found if not event.excluded]
+        excluded = tuple(
+            Excluded(event.load * u, float(event.point[0]), float(event.point[1]), event.excluded)
+            for event in found
+            if event.excluded
+        )
         if not events:
+            if excluded:
+                history.reason = (
+                    f"what would crack first, at u = {min(excluded).u_c:.4g} mm, is {min(excluded).reason}"
+                )
             return Outcome.NO_EVENT
         event, gap = next_event(events)
         if event.load * u > self.largest:
@@ -274,6 +284,7 @@ class Simulation:
             state.touches,
             tuple(self._candidate(event, u) for event in events),
             finer,
+            excluded,
         )
         self._happens(step, grown)
         return self._ended() if step.arrested_by else None

@@ -13,9 +13,9 @@ import numpy as np
 import shapely
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from slmm.boundary.contour import Places
+from slmm.fracture.exclusion import Exclusion, held, mouths
 from slmm.part.part import Part
 from slmm.scene.loading import Loading
 
@@ -23,12 +23,14 @@ Array = NDArray[np.float64]
 
 #: peaks between points may be so much higher than at the points; chosen
 BETWEEN = 1.1
-#: points nearer to the mouth of a crack, or to a corner, than so many depths belong to it; chosen
-BESIDE_MOUTH = 2.5
 #: points that a peak is sought by in each of two rounds, and how much the second one is narrower; chosen
 SOUGHT, NARROWER = 7, 0.15
 #: peaks that are followed, at most: a uniform stress has one at every point; chosen
 MOST_PEAKS = 12
+#: halvings by which the end of a stretch is found between two points, to the last digits of its place
+HALVINGS = 40
+#: places that are so near to the end of a stretch, over the stretch that was looked at, are the end; round-off
+AT_END = 1e-9
 
 
 class Curve(Protocol):
@@ -75,50 +77,49 @@ class Site(NamedTuple):
         Which outline of the part, -1 for a straight outer edge.
     stress : float
         Principal stress at the critical distance under the model's load, MPa.
+    excluded : str
+        Why no crack is let start there, for all its stress; empty where one may.
     """
 
     point: Array
     inward: Array
     hole: int
     stress: float
+    excluded: str = ""
+
+
+class Bracket(NamedTuple):
+    """A stretch of a curve with a peak in it.
+
+    Attributes
+    ----------
+    value : float
+        At its point, MPa.
+    curve : Curve
+    low, high : float
+        From and to, mm along the curve.
+    ends : (bool, bool)
+        Whether cracks may start up to there and no farther.
+    """
+
+    value: float
+    curve: Curve
+    low: float
+    high: float
+    ends: tuple[bool, bool]
 
 
 StressBelow = Callable[[Places], Array]
 
 
-def may_start(part: Part, loading: Loading, points: Array, depth: float) -> NDArray[np.bool_]:
-    """Which points (n, 2) of free surfaces are beside no mouth of a crack, corner or end of a support."""
-    corners = [outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in part.outlines]
-    # where a support ends its model has a stress that the support itself would not have
-    supports = [condition.ends for condition in loading if any(condition.is_held)]
-    special = np.concatenate([np.empty((0, 2)), mouths(part), *corners, *supports])
-    if not len(special):
-        return np.ones(len(points), dtype=bool)
-    return np.asarray(cKDTree(special).query(points)[0] > BESIDE_MOUTH * depth)
-
-
-def mouths(part: Part) -> Array:
-    """Ends (k, 2) of cracks on surfaces, mm."""
-    ends = [
-        point
-        for crack in part.cracks
-        for end, point in ((crack.start, crack.points[0]), (crack.end, crack.points[-1]))
-        if end.kind == "surface"
-    ]
-    return np.array(ends).reshape(-1, 2)
-
-
-def held(loading: Loading, points: Array) -> NDArray[np.bool_]:
-    """Which points (n, 2) lie where a displacement is prescribed."""
-    on = np.zeros(len(points), dtype=bool)
-    for condition in loading:
-        if any(condition.is_held):
-            on |= condition.on(points)
-    return on
-
-
-def at_peaks(sampled: Sequence[Sampled], stress_below: StressBelow, least: float) -> list[Site]:
+def at_peaks(
+    sampled: Sequence[Sampled], stress_below: StressBelow, least: float, exclusion: Exclusion
+) -> list[Site]:
     """Peaks along curves that may exceed a stress, MPa, at most `MOST_PEAKS`.
+
+    The stress falls on both sides of a peak. Where it rises up to the end of what may crack it belongs to what lies
+    beyond, a support's end or a mouth, and has no largest value of its own: such a place comes with the reason why it
+    is excluded, at the very end, whatever the points are.
 
     Examples
     --------
@@ -134,45 +135,79 @@ def at_peaks(sampled: Sequence[Sampled], stress_below: StressBelow, least: float
     >>> below = lambda places: 1 - ((places.points[:, 0] - 4.3) / 5) ** 2
     >>> way = np.arange(0.5, 10)
     >>> edge = Sampled(Edge(), way, np.ones(10, dtype=bool), below(Edge().at(way)))
-    >>> [site] = at_peaks([edge], below, 0.5)
+    >>> everywhere = Exclusion(np.empty((0, 2)), [], 0.0, Loading(()))
+    >>> [site] = at_peaks([edge], below, 0.5, everywhere)
     >>> site.point.round(2).tolist(), round(site.stress, 4)
     ([4.3, 0.0], 1.0)
     """
-    highest = max((float(each.below.max(initial=-np.inf)) for each in sampled), default=-np.inf)
-    brackets = []
-    for curve, way, allowed, value in sampled:
-        before, after = np.roll(value, 1), np.roll(value, -1)
-        step_back = np.mod(way - np.roll(way, 1), curve.length)
-        step_on = np.mod(np.roll(way, -1) - way, curve.length)
-        # not into what belongs to a mouth or a corner
-        step_back[np.roll(~allowed, 1)] = 0.0
-        step_on[np.roll(~allowed, -1)] = 0.0
-        peaks = (value >= before) & (value >= after) & (value > max(least, highest) / BETWEEN)
-        brackets += [
-            (value[k], curve, way[k] - step_back[k], way[k] + step_on[k]) for k in np.flatnonzero(peaks)
-        ]
-    brackets.sort(key=lambda bracket: -bracket[0])
-    return _followed(brackets[:MOST_PEAKS], stress_below) if brackets else []
+    tops = [_tops(each) for each in sampled]
+    # what rises to an end must not hide the peaks elsewhere
+    highest = max(
+        (
+            float(each.below[top & inner].max(initial=-np.inf))
+            for each, (top, inner) in zip(sampled, tops, strict=True)
+        ),
+        default=-np.inf,
+    )
+    peaks: list[Bracket] = []
+    ends: list[Bracket] = []
+    for each, (top, inner) in zip(sampled, tops, strict=True):
+        for k in np.flatnonzero(top & (each.below > max(least, highest) / BETWEEN)).tolist():
+            (peaks if inner[k] else ends).append(_bracket(each, k, exclusion))
+    peaks = sorted(peaks, key=lambda bracket: -bracket.value)[:MOST_PEAKS] + ends
+    return _followed(peaks, stress_below, exclusion) if peaks else []
 
 
-def _followed(brackets: Sequence[tuple[float, Curve, float, float]], stress_below: StressBelow) -> list[Site]:
-    """The peaks within brackets (value at its point, curve, from, to)."""
-    curves = [bracket[1] for bracket in brackets]
-    middle = np.array([0.5 * (low + high) for *_, low, high in brackets])
-    half = np.array([0.5 * (high - low) for *_, low, high in brackets])
+def _tops(sampled: Sampled) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Points (n,) with no higher one beside them, and those between two where cracks may start."""
+    _, _, allowed, value = sampled
+    value = np.where(allowed, value, -np.inf)
+    top = np.isfinite(value) & (value >= np.roll(value, 1)) & (value >= np.roll(value, -1))
+    return top, np.roll(allowed, 1) & allowed & np.roll(allowed, -1)
+
+
+def _bracket(sampled: Sampled, k: int, exclusion: Exclusion) -> Bracket:
+    """From the point before another one to the one behind, or to the end of what may crack."""
+    curve, way, allowed, value = sampled
+    limits, ends = [], []
+    for step in (-1, 1):
+        beside = (k + step) % len(way)
+        reach = float(np.mod(step * (way[beside] - way[k]), curve.length))
+        ends.append(not allowed[beside])
+        if ends[-1]:
+            clear, beyond = 0.0, reach
+            for _ in range(HALVINGS):
+                middle = 0.5 * (clear + beyond)
+                if exclusion.free(curve.at(way[k : k + 1] + step * middle).points)[0]:
+                    clear = middle
+                else:
+                    beyond = middle
+            reach = clear
+        limits.append(float(way[k]) + step * reach)
+    return Bracket(float(value[k]), curve, limits[0], limits[1], (ends[0], ends[1]))
+
+
+def _followed(brackets: Sequence[Bracket], stress_below: StressBelow, exclusion: Exclusion) -> list[Site]:
+    """The peaks within brackets."""
+    curves = [bracket.curve for bracket in brackets]
+    low, high = np.array([[bracket.low, bracket.high] for bracket in brackets]).T
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
     x = chebyshev.chebpts1(SOUGHT)
     fine = np.linspace(-1.0, 1.0, 401)
     to_fine = chebyshev.chebvander(fine, SOUGHT - 1) @ np.linalg.inv(chebyshev.chebvander(x, SOUGHT - 1))
     for width in (half, NARROWER * half):
+        middle = np.clip(middle, low + width, high - width)
         ways = middle[:, None] + width[:, None] * x
         where = _joined([curve.at(way) for curve, way in zip(curves, ways, strict=True)])
         value = stress_below(where).reshape(len(brackets), SOUGHT) @ to_fine.T
-        best = value.argmax(axis=1)
-        middle = middle + width * fine[best]
+        middle = middle + width * fine[value.argmax(axis=1)]
+    ends = np.array([bracket.ends for bracket in brackets])
+    near = np.column_stack([middle - low, high - middle]) <= AT_END * half[:, None]
+    at_end = (ends & near).any(axis=1)
     sites = _joined([curve.at(np.array([way])) for curve, way in zip(curves, middle, strict=True)])
     return [
-        Site(point, inward, int(hole), float(stress))
-        for point, inward, hole, stress in zip(*sites, value.max(axis=1), strict=True)
+        Site(point, inward, int(hole), float(stress), exclusion.reason(point) if ended else "")
+        for point, inward, hole, stress, ended in zip(*sites, value.max(axis=1), at_end, strict=True)
     ]
 
 

@@ -9,7 +9,8 @@ from slmm import failure_indices
 from slmm.boundary.model import BoundaryModel
 from slmm.fracture import simulate
 from slmm.fracture.events import Kind
-from slmm.fracture.first_cracks import INITIATIONS
+from slmm.fracture.first_cracks import INITIATIONS, CoupledCriterion
+from slmm.fracture.surface_peaks import Site
 from slmm.scene.gallery import circular_hole, square_hole, tensile_plate
 from slmm.scene.scene import read_scene
 
@@ -72,6 +73,38 @@ def test_the_crack_behind_a_hole_begins_with_its_own_length(initiation):
     assert result.criterion.values[k] == initiation
     assert 0.05 * irwin < float(start) < 0.6 * irwin
     assert result.attrs["outcome"] == "the part is severed"
+
+
+def test_a_ligament_too_thin_for_trial_cracks_is_excluded_and_says_so():
+    scene = tensile_plate([(71.9, 40.0, 8.0)])
+    model = BoundaryModel(scene.part, scene.material, scene.loading)
+    events = INITIATIONS["coupled"](scene)(model, np.inf)
+    assert events and all(event.excluded.startswith("in a ligament of") for event in events)
+
+
+class Released:
+    """Trial cracks of which each sets free the more the longer it is, little enough that energy decides."""
+
+    PER_LENGTH = 1e-6
+
+    def __init__(self, *_):
+        pass
+
+    def incremental(self, a):
+        return self.PER_LENGTH * a
+
+
+def test_where_longer_cracks_need_less_up_to_the_end_of_a_ligament_the_longest_bounds_the_load(monkeypatch):
+    monkeypatch.setattr("slmm.fracture.first_cracks.TrialCracks", Released)
+    scene = tensile_plate([(71.0, 40.0, 8.0)])
+    model = BoundaryModel(scene.part, scene.material, scene.loading)
+    site = Site(np.array([80.0, 40.0]), np.array([-1.0, 0.0]), -1, 1.0)
+    [event] = CoupledCriterion(scene).at(model, [site], np.inf)
+    assert event.criterion == "coupled, at most" and not event.excluded
+    # the outline's chords lie by 1e-4 mm beside it
+    assert event.length == pytest.approx(0.8 * 1.0, abs=1e-3)
+    expected = np.sqrt(scene.material.G_c / (Released.PER_LENGTH * 0.8))
+    assert event.load == pytest.approx(expected, rel=1e-3)
 
 
 def test_cells_are_refused_where_they_know_no_supports():

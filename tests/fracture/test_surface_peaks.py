@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from slmm.boundary.contour import Places
+from slmm.fracture.exclusion import Exclusion
 from slmm.fracture.surface_peaks import (
     MOST_PEAKS,
-    NARROWER,
     Sampled,
     at_corners,
     at_peaks,
-    held,
-    may_start,
-    mouths,
 )
-from slmm.scene.gallery import tensile_plate, v_notch
+from slmm.scene.gallery import v_notch
+from slmm.scene.loading import Loading
+
+EVERYWHERE = Exclusion(np.empty((0, 2)), [], 0.0, Loading(()))
 
 
 class Circle:
@@ -40,7 +40,9 @@ def test_peaks_are_where_the_stress_is_largest_whatever_the_points_are(turn):
         angle = np.arctan2(where.points[:, 1], where.points[:, 0]) - turn
         return 1 + np.cos(2 * angle) + 0.05 * np.cos(angle)
 
-    sites = sorted(at_peaks([around(Circle(), 24, stress)], stress, 0.5), key=lambda site: -site.stress)
+    sites = sorted(
+        at_peaks([around(Circle(), 24, stress)], stress, 0.5, EVERYWHERE), key=lambda site: -site.stress
+    )
     # cos 2a + 0.05 cos a has its largest value at 0, and a peak at pi that is 0.1 lower
     assert sites[0].stress == pytest.approx(2.05, abs=1e-5)
     assert sites[0].point == pytest.approx(10 * np.array([np.cos(turn), np.sin(turn)]), abs=0.03)
@@ -48,38 +50,66 @@ def test_peaks_are_where_the_stress_is_largest_whatever_the_points_are(turn):
     assert len(sites) == 2 and sites[1].stress == pytest.approx(1.95, abs=1e-5)
 
 
-def test_what_is_not_allowed_is_not_reached_from_beside_it():
+def excluding(count, angle, stress):
+    """A circle without what is nearer to (10, 0) than a chord of an angle."""
+    exclusion = Exclusion(np.array([[10.0, 0.0]]), ["a mark"], 20 * np.sin(angle / 2), Loading(()))
+    sampled = around(Circle(), count, stress)
+    allowed = exclusion.free(Circle().at(sampled.way).points)
+    return sampled._replace(allowed=allowed, below=np.where(allowed, sampled.below, -np.inf)), exclusion
+
+
+@pytest.mark.parametrize("count", [24, 37, 90])
+def test_what_rises_up_to_an_end_is_no_peak_and_is_told_at_the_end_whatever_the_points_are(count):
     def stress(where):
         return where.points[:, 0]
 
-    step = 2 * np.pi / 24
-    allowed = np.abs((np.arange(24) + 12) % 24 - 12) > 2
-    sampled = around(Circle(), 24, stress, allowed)
-    sampled = sampled._replace(below=np.where(allowed, sampled.below, -np.inf))
-    sites = at_peaks([sampled], stress, 1.0)
-    # the second round reaches beyond the last point by a share of half a step
-    assert 10 * np.cos(3 * step) <= sites[0].stress <= 10 * np.cos(3 * step - NARROWER * step / 2)
+    sampled, exclusion = excluding(count, 0.5, stress)
+    sites = at_peaks([sampled], stress, 1.0, exclusion)
+    assert [site.excluded for site in sites] == ["beside a mark at (10, 0)"] * 2
+    assert [site.stress for site in sites] == pytest.approx([10 * np.cos(0.5)] * 2, abs=1e-6)
+
+
+@pytest.mark.parametrize("beyond", [0.01, 0.05, 0.2])
+@pytest.mark.parametrize("count", [24, 37, 90])
+def test_a_peak_beside_an_end_is_one_though_no_point_lies_between(count, beyond):
+    def stress(where):
+        angle = np.arctan2(where.points[:, 1], where.points[:, 0])
+        return 5 - (np.abs(angle) - 0.5 - beyond) ** 2
+
+    sampled, exclusion = excluding(count, 0.5, stress)
+    sites = at_peaks([sampled], stress, 1.0, exclusion)
+    assert [site.excluded for site in sites] == [""] * 2
+    assert [site.stress for site in sites] == pytest.approx([5.0] * 2, abs=1e-5)
+
+
+def test_what_is_excluded_hides_no_lower_peak_elsewhere():
+    def stress(where):
+        x, y = where.points.T / 10.0
+        return 10 * x**9 + 1 - x - y**2  # a third as high at (-10, 0) as at the end of what is excluded
+
+    sampled, exclusion = excluding(60, 0.3, stress)
+    sites = at_peaks([sampled], stress, 0.5, exclusion)
+    free = [site for site in sites if not site.excluded]
+    assert max(site.stress for site in sites if site.excluded) > 3 * max(site.stress for site in free)
+    assert any(site.point == pytest.approx(on_circle(free_peak(stress)), abs=0.05) for site in free)
+
+
+def free_peak(stress):
+    """Angle of the highest stress away from (10, 0), by very many points."""
+    angle = np.linspace(np.pi / 2, np.pi, 100_001)
+    return angle[stress(Circle().at(10.0 * angle)).argmax()]
+
+
+def on_circle(angle):
+    return 10 * np.array([np.cos(angle), np.sin(angle)])
 
 
 def test_a_uniform_stress_has_not_more_peaks_than_are_followed():
     def stress(where):
         return np.ones(len(where.points))
 
-    assert len(at_peaks([around(Circle(), 50, stress)], stress, 0.5)) == MOST_PEAKS
-    assert at_peaks([around(Circle(), 50, stress)], stress, 2.0) == []
-
-
-def test_no_crack_starts_beside_a_mouth_or_the_end_of_a_support():
-    supports = [
-        {"on": "bottom", "displacement": [0.0, 0.0]},
-        {"at": [40.0, 80.0], "width": 10.0, "displacement": ["free", 1.0]},
-    ]
-    scene = tensile_plate(boundary=supports)
-    assert mouths(scene.part).tolist() == [[0.0, 40.0]]
-    points = np.array([[0.0, 40.2], [0.0, 40.3], [35.1, 80.0], [34.6, 80.0], [80.0, 40.0]])
-    assert may_start(scene.part, scene.loading, points, 0.1).tolist() == [False, True, False, True, True]
-    places = np.array([[40.0, 0.0], [38.0, 80.0], [20.0, 80.0], [0.0, 10.0]])
-    assert held(scene.loading, places).tolist() == [True, True, False, False]
+    assert len(at_peaks([around(Circle(), 50, stress)], stress, 0.5, EVERYWHERE)) == MOST_PEAKS
+    assert at_peaks([around(Circle(), 50, stress)], stress, 2.0, EVERYWHERE) == []
 
 
 def test_corners_that_point_into_the_material_count_until_a_crack_begins_there():
