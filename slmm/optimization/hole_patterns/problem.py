@@ -171,9 +171,10 @@ class HolePattern:
             When a simulation failed, with its reason.
         """
         whole = self.whole(design)
-        return np.array([self._toughness(np.rot90(whole, k)) for k in range(self.directions)])
+        return np.array([self._toughness(np.rot90(whole, k), 0.0) for k in range(self.directions)])
 
-    def _toughness(self, whole: Design) -> float:
+    def _toughness(self, whole: Design, at_least: float) -> float:
+        """U_T of one direction, mJ, or what is asked for if it is not reached."""
         result = simulate(
             self._scene(whole),
             self.increment,
@@ -181,8 +182,11 @@ class HolePattern:
             self.engine,
             first_length=self.first_length,
             largest_displacement=LARGEST,
+            at_least=at_least,
             errors=False,
         )
+        if result.attrs["outcome"] == Outcome.SHORT:
+            return at_least
         if result.attrs["outcome"].startswith(Outcome.FAILED):
             raise ValueError(result.attrs["outcome"])
         return float(result.U_T)
@@ -190,12 +194,13 @@ class HolePattern:
     def evaluate(self, design: np.ndarray, below: float) -> Value | Bound:
         """Minus the least tensile toughness of a design, mJ; a bound where one direction is no tougher than asked for.
 
-        What is simulated is the least of the designs that are equal by symmetry, so that all have one value.
+        What is simulated is the least of the designs that are equal by symmetry, so that all have one value. A
+        simulation ends where it can no longer be tougher than asked for.
         """
         whole = symmetric(self.whole(design))
         least = np.inf
         for k in range(self.directions):
-            least = min(least, self._toughness(np.rot90(whole, k)))
+            least = min(least, self._toughness(np.rot90(whole, k), max(0.0, -below)))
             if -least >= below:
                 return Bound(-least)
         return Value(-least)

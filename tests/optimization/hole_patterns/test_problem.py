@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from slmm.fracture.boundary_engine import BoundaryEngine
 from slmm.optimization import Bound, HolePattern, search
 from slmm.part.level_set import IslandError
 
@@ -50,6 +51,27 @@ def test_one_weak_direction_is_enough_to_bound_a_design():
     assert isinstance(bound, Bound) and bound.least >= -300.0
     # turned and mirrored it has the same key, and what is simulated is made from that
     assert {problem.key(other) for other in (slit, slit.T, slit[::-1].T)} == {problem.key(slit)}
+
+
+def test_a_limit_ends_simulations_early_and_changes_no_value(monkeypatch):
+    problem = HolePattern(3, "rotated")
+    design = np.zeros((2, 2), bool)
+    design[0, 1] = True
+    value = problem.evaluate(design, np.inf)
+    solve, solves = BoundaryEngine.solve, []
+
+    def counted(self, part):
+        solves.append(part)
+        return solve(self, part)
+
+    monkeypatch.setattr(BoundaryEngine, "solve", counted)
+    assert problem.evaluate(design, np.nextafter(value.value, np.inf)) == value
+    whole = len(solves)
+    solves.clear()
+    # 2 mm of the uncracked part's line are out of reach at once
+    assert problem.evaluate(design, -1e5) == Bound(-1e5)
+    assert len(solves) == 1 < whole
+    assert problem.evaluate(design, value.value) == Bound(value.value)
 
 
 def test_designs_that_are_equal_by_symmetry_have_one_value_to_the_bit():
