@@ -16,7 +16,7 @@ from checks import Check, run, save, show
 
 from slmm.fracture import simulate
 from slmm.optimization import HolePattern
-from slmm.optimization.hole_patterns.problem import LARGEST
+from slmm.optimization.hole_patterns.objectives import LARGEST
 from slmm.scene.gallery import tensile_plate
 from slmm.scene.scene import Scene
 

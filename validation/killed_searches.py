@@ -1,7 +1,8 @@
 """A search that is killed at random moments ends, resumed, with the result of an undisturbed one, to the bit.
 
-Two searches get SIGKILL twenty times each, at a random moment after they have come farther than ever before: a TBFSL on
-16 x 8 cells whose evaluations are slowed down, and one on 30 x 12 cells, most of whose neighbours a quick model judges.
+Three searches get SIGKILL twenty times each, at a random moment after they have come farther than before: a TBFSL on
+16 x 8 cells whose evaluations are slowed down, one on 30 x 12 cells, most of whose neighbours a quick model judges, and
+one among hole patterns of 3 x 3 points.
 Required: the last start prints what an undisturbed run prints, and each kill hit a search at work. Five minutes;
 ``--quick`` kills less deep ones three times.
 """
@@ -23,7 +24,7 @@ KILLS = 20
 LATEST = 1.0
 BEGIN = """
 import sys, time
-from slmm.optimization import Cantilever, search
+from slmm.optimization import Cantilever, HolePattern, search
 class Slow:
     def __init__(self, beam):
         self.beam = beam
@@ -45,6 +46,7 @@ print(r.value.hex(), r.simulations, r.best_design.astype(int).ravel().tolist(), 
 SEARCHES = {
     "TBFSL(3, 2) on 16 x 8, slow": "problem, depth = Slow(Cantilever(16, 8)), 3",
     "TBFSL(3, 2) on 30 x 12, quick model": "problem, depth = Cantilever(30, 12), 3",
+    "TBFSL(3, 2) on hole patterns, full 3": "problem, depth = HolePattern(3, 'full', 4.0), 3",
 }
 QUICK = {
     "TBFSL(2, 2) on 16 x 8, slow": "problem, depth = Slow(Cantilever(16, 8)), 2",

@@ -14,6 +14,9 @@ from slmm.fracture.events import Event, Kind
 
 Array = NDArray[np.float64]
 
+#: by which share a stiffness may be in error that bounds those after it; chosen, ten times the 1e-4 of the engines
+STIFFNESS_COVERS = 1e-3
+
 
 class Outcome(StrEnum):
     """How a simulation ended."""
@@ -22,6 +25,7 @@ class Outcome(StrEnum):
     LOOSE = "a piece came loose that carries no load"
     LARGEST = "the largest displacement is reached"
     NO_EVENT = "no crack can grow or start"
+    SHORT = "the tensile toughness asked for can no longer be reached"
     STEPS = "the largest number of steps is reached"
     FAILED = "failed"
 
@@ -188,6 +192,16 @@ class History:
     def toughness(self) -> float:
         """U_T, mJ: the sum of S (u_k^2 - u_(k-1)^2)/2, the area below F(u)."""
         return _toughness(self.stiffnesses, self.loads, self.last_u)
+
+    def toughness_at_most(self, largest: float) -> float:
+        """What U_T can still become until a displacement is reached, mJ, where the last stiffness is that of the part.
+
+        Of all displacements that a part's supports allow, the true ones have the least energy, S u^2/2. A longer crack
+        allows more of them, also where its faces hold each other: no crack makes the part stiffer, and the area below
+        F(u) that is left is at most that of the line of the present stiffness.
+        """
+        left = 0.5 * self.last_stiffness * max(largest**2 - self.u**2, 0.0)
+        return self.toughness + (1 + STIFFNESS_COVERS) * left
 
     @property
     def released(self) -> Array:

@@ -54,6 +54,7 @@ def simulate(
     direction: str = "MTS",
     first_length: float | None = None,
     largest_displacement: float | None = None,
+    at_least: float = 0.0,
     errors: bool = True,
     journal: str | Path | None = None,
     resume: bool = False,
@@ -89,6 +90,9 @@ def simulate(
         Of a crack that starts, mm, where its criterion does not say it; an increment if not given.
     largest_displacement : float, optional
         Where to stop, mm.
+    at_least : float
+        U_T that is asked for, mJ: a simulation ends as soon as it can no longer reach that before the largest
+        displacement, see `slmm.fracture.history.History.toughness_at_most`, and its U_T is what it was until then.
     errors : bool
         Whether U_T has an estimated error, for some of the time of the simulation.
     journal : str or Path, optional
@@ -138,6 +142,12 @@ def simulate(
     for name, value in (("tolerance", tolerance), ("largest_displacement", largest_displacement)):
         if value is not None and not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: must be a positive number")
+    if not (math.isfinite(at_least) and at_least >= 0):
+        raise ValueError(f"at_least = {at_least!r}: must be a toughness, mJ, or 0")
+    if at_least and largest_displacement is None:
+        raise ValueError(
+            f"at_least = {at_least!r}: needs a largest displacement, up to which it is reached or not"
+        )
     if resume and journal is None:
         raise ValueError("resume = True: needs the journal of what shall be resumed")
     lengths = lengths_of(scene.part, increment, first_length, LOOK_AHEAD)
@@ -153,8 +163,9 @@ def simulate(
     }
     largest = largest_displacement or math.inf
     rules = Rules(DIRECTIONS[direction], INITIATIONS[initiation](scene))
-    simulation = Simulation(scene, solver, rules, lengths, largest, errors)
-    run = run_of(scene, {**settings, "largest_displacement": largest_displacement, "errors": errors})
+    simulation = Simulation(scene, solver, rules, lengths, largest, errors, at_least)
+    asked = {"at_least": at_least} if at_least else {}
+    run = run_of(scene, {**settings, "largest_displacement": largest_displacement, **asked, "errors": errors})
     with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
         simulation.run(progress, opened)
     made_with = {**settings, **solver.described}
@@ -181,11 +192,13 @@ class Simulation:
         lengths: Lengths,
         largest: float,
         errors: bool,
+        at_least: float,
     ) -> None:
         """Nothing happens yet."""
         self.part, self.loading, self.engine = scene.part, scene.loading, engine
         self.conjugate = work_conjugate(self.loading, self.part.thickness)
         self.rules, self.lengths, self.largest, self.errors = rules, lengths, largest, errors
+        self.at_least = at_least
         self.surroundings = Surroundings(self.part)
         self.history = History()
         self.reached = [[-1] * len(crack.points) for crack in self.part.cracks]
@@ -249,6 +262,8 @@ class Simulation:
         state = self.engine.solve(self.part)
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
+        if self.at_least and history.toughness_at_most(self.largest) < self.at_least:
+            return Outcome.SHORT
         found = state.events(self.rules)
         events = [event for event in found if not event.excluded]
         excluded = tuple(

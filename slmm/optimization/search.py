@@ -32,6 +32,8 @@ ALGORITHMS: Mapping[str, Algorithm] = ChainMap({"mg": mg}, ON_ONE_GRID)
 
 #: is told the number of simulations, and the best value so far: results on the way, where nobody knows how far it is
 Found = Callable[[int, float], None]
+#: is told each better design and its value
+Improved = Callable[[np.ndarray, float], None]
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,7 @@ def search(
     journal: str | Path | None = None,
     resume: bool = False,
     progress: Found | None = None,
+    improved: Improved | None = None,
     max_simulations: int | None = None,
     **settings: Any,
 ) -> SearchResult:
@@ -172,6 +175,8 @@ def search(
         Continue the journal of the same search if there is one: the result is that of an undisturbed run.
     progress : callable, optional
         Is told the number of simulations and the best value, again and again.
+    improved : callable, optional
+        Is told the best design and its value whenever there is a better one.
     max_simulations : int, optional
         Stop after so many simulations.
     **settings
@@ -222,7 +227,7 @@ def search(
         "start": None if start is None else np.asarray(start, dtype=int).tolist(),
         "version": __version__,
     }
-    record = _Record(progress, np.inf if max_simulations is None else max_simulations)
+    record = _Record(progress, improved, np.inf if max_simulations is None else max_simulations)
     with (
         nullcontext() if journal is None else open_journal(journal, run, resume) as opened,
         evaluating(workers, client) as crew,
@@ -282,8 +287,8 @@ def _run(asking: Asking, ask: Ask, evaluation: Evaluation, record: _Record) -> s
 class _Record:
     """Counts simulations, and keeps the best design on the present grid."""
 
-    def __init__(self, progress: Found | None, most: float) -> None:
-        self.progress = progress
+    def __init__(self, progress: Found | None, improved: Improved | None, most: float) -> None:
+        self.progress, self.improved = progress, improved
         self.most = most
         self.simulations = self.failed = 0
         self.problem: Problem | None = None
@@ -305,7 +310,7 @@ class _Record:
 
     def add(self, part: Part) -> None:
         """Take in a part of an answer."""
-        number = self.simulations + np.cumsum(part.valid)
+        number, before = self.simulations + np.cumsum(part.valid), self.value
         for i in improvements(part.values, self.value):
             self.value, self.best_design = float(part.values[i]), part.designs[i]
             self.steps.append((int(number[i]), self.value, self.stage))
@@ -313,6 +318,8 @@ class _Record:
         self.failed += int(np.isnan(part.values[part.valid]).sum())
         if self.progress is not None:
             self.progress(self.simulations, self.value)
+        if self.improved is not None and self.best_design is not None and self.value < before:
+            self.improved(self.best_design, self.value)
 
     def history(self) -> History:
         """All improvements."""

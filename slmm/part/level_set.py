@@ -5,6 +5,7 @@ The kernel is separable, and so are the weights: two small products with the inv
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -26,7 +27,15 @@ NEAR = 0.75
 
 
 class IslandError(ValueError):
-    """A contour has material within a hole."""
+    """A contour has material within a hole.
+
+    Attributes
+    ----------
+    at : (float, float)
+        Near which place, mm.
+    """
+
+    at: tuple[float, float] = (math.nan, math.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +136,10 @@ class LevelSet:
             x, y = places.T
             # the lines have what is high on one and the same side
             if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0:
-                at = self.centre + self.spacing * places.mean(axis=0)
-                raise IslandError(f"the pattern has an island of material near ({at[0]:.4g}, {at[1]:.4g})")
+                x, y = (self.centre + self.spacing * places.mean(axis=0)).tolist()
+                island = IslandError(f"the pattern has an island of material near ({x:.4g}, {y:.4g})")
+                island.at = x, y
+                raise island
             found.append(places)
         return found
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,31 +11,34 @@ from numpy.typing import ArrayLike
 from slmm.fracture.history import Outcome
 from slmm.fracture.simulation import simulate
 from slmm.optimization.checks import check_whole
+from slmm.optimization.hole_patterns.objectives import FIGURES, OVER, Figure
 from slmm.optimization.hole_patterns.patterns import (
     DIRECTIONS,
+    SIDES,
     Design,
     expanded,
     fixed_cells,
+    repaired,
     shape_of,
     symmetric,
+    weakest_first,
 )
+from slmm.optimization.hole_patterns.plate import CrackedPlate
 from slmm.optimization.problem import Bound, Value
 from slmm.part.level_set import IslandError, LevelSet
 from slmm.scene.scene import Scene
 
-#: the plate of Paper D, section 2.1: side, crack, frame without support points, mm; published
-SIDE, CRACK, FRAME = 80.0, 10.0, 15.0
-#: its material, PMMA of Sapora et al.; published
-PMMA = {"E": 2960.0, "nu": 0.38, "sigma_c": 70.5, "K_Ic": 1.96, "state": "plane strain"}
-#: increment, first length of a crack that starts, and largest displacement, mm; published
-INCREMENT, FIRST_LENGTH, LARGEST = 2.0, 1.0, 2.0
+#: increment, and first length of a crack that starts, mm; published
+INCREMENT, FIRST_LENGTH = 2.0, 1.0
+PAPER = CrackedPlate()
 
 
 @dataclass(frozen=True)
 class HolePattern:
     """Support points on a grid in a square plate with a crack, each of them a hole or material.
 
-    Its value is minus the least tensile toughness, mJ, of the directions from which the crack may come.
+    Its value is minus the least tensile toughness, mJ, of the directions from which the crack may come, or minus
+    another figure of them.
 
     Parameters
     ----------
@@ -46,15 +48,23 @@ class HolePattern:
         What designs vary: the whole grid, or the quarter that is mirrored or turned.
     increment, first_length : float
         Of cracks that grow and that start, mm.
-    initiation : str
-        As that of `slmm.fracture.simulate`.
-    engine : str
-        Likewise.
+    initiation, engine : str
+        As those of `slmm.fracture.simulate`.
+    plate : CrackedPlate
+        Its lengths, its material, and the function through the support points.
+    sides : {"all", "left"}
+        From which side the crack may come.
+    figure : {"U_T", "peak force", "stiffness"}
+        What is to be large.
+    over : {"least", "mean"}
+        Of the directions.
+    heaviest : float
+        What the plate may weigh, over a plate without holes.
 
     Raises
     ------
     ValueError
-        For a grid of less than one point or an unknown pattern.
+        For a grid of less than one point, a weight of nothing, or what is unknown.
 
     Examples
     --------
@@ -71,16 +81,27 @@ class HolePattern:
     first_length: float = FIRST_LENGTH
     initiation: str = "point"
     engine: str = "boundary"
-
-    #: of what `evaluate` finds
-    objective: ClassVar[Mapping[str, str]] = {"units": "mJ", "long_name": "minus the least tensile toughness"}
+    plate: CrackedPlate = PAPER
+    sides: str = "all"
+    figure: str = "U_T"
+    over: str = "least"
+    heaviest: float = 1.0
 
     def __post_init__(self) -> None:
         check_whole("grid", self.grid, 1)
-        if self.pattern not in DIRECTIONS:
-            raise ValueError(f"pattern = {self.pattern!r}: must be one of {', '.join(DIRECTIONS)}")
+        for name, known in (("pattern", DIRECTIONS), ("sides", SIDES), ("figure", FIGURES), ("over", OVER)):
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name} = {getattr(self, name)!r}: must be one of {', '.join(known)}")
+        if not 0 < self.heaviest <= 1:
+            raise ValueError(f"heaviest = {self.heaviest!r}: must lie above 0, and be 1 at most")
         # the repr tells a problem from others
         object.__setattr__(self, "grid", int(self.grid))
+
+    @property
+    def objective(self) -> Mapping[str, str]:
+        """Units and long name of values."""
+        figure = FIGURES[self.figure]
+        return {"units": figure.units, "long_name": f"minus the {self.over} {figure.long_name}"}
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -100,7 +121,7 @@ class HolePattern:
     @property
     def directions(self) -> int:
         """How many directions symmetry leaves different."""
-        return DIRECTIONS[self.pattern]
+        return DIRECTIONS[self.pattern] if self.sides == "all" else 1
 
     def whole(self, design: ArrayLike) -> Design:
         """The whole grid of a design (rows, columns)."""
@@ -110,24 +131,40 @@ class HolePattern:
         return expanded(design, self.pattern, self.grid)
 
     def valid(self, designs: np.ndarray) -> np.ndarray:
-        """Which designs (n, rows, columns) have no island of material within a hole."""
-        return np.array([self._has_no_island(self.whole(design)) for design in designs], dtype=bool)
+        """Which designs (n, rows, columns) have no island of material within a hole, and are light enough."""
+        return np.array([self._is_allowed(self.whole(design)) for design in designs], dtype=bool)
 
-    def _has_no_island(self, whole: Design) -> bool:
+    def _is_allowed(self, whole: Design) -> bool:
         try:
-            self.level_set(whole).contours()
+            return self.plate.weight(whole) <= self.heaviest
         except IslandError:
             return False
-        return True
+
+    def repaired(self, design: np.ndarray) -> np.ndarray:
+        """A valid design with some more holes: where islands are, then from the middle until it is light enough.
+
+        Raises
+        ------
+        ValueError
+            When there is no such design.
+        """
+        return repaired(design, self.pattern, self.grid, self._lacks)
+
+    def _lacks(self, whole: Design) -> tuple[float, float] | None:
+        """Where a hole has to be for this to become a valid design, as shares of the grid; None of a valid one."""
+        try:
+            return None if self.plate.weight(whole) <= self.heaviest else (0.5, 0.5)
+        except IslandError as error:
+            x, y = ((at - self.plate.frame) / (self.plate.side - 2 * self.plate.frame) for at in error.at)
+            return x, y
 
     def key(self, design: np.ndarray) -> bytes:
         """What a design has in common with those that turning and mirroring make of it."""
-        return np.packbits(symmetric(self.whole(design))).tobytes()
+        return np.packbits(symmetric(self.whole(design), self.sides)).tobytes()
 
     def level_set(self, whole: Design) -> LevelSet:
         """The function whose level is the outline of the holes of a whole grid."""
-        spacing = (SIDE - 2 * FRAME) / self.grid
-        return LevelSet(whole.astype(float), (SIDE / 2, SIDE / 2), spacing)
+        return self.plate.level_set(whole)
 
     def outlines(self, design: ArrayLike) -> list[np.ndarray]:
         """Points (n, 2) around each hole of a design, mm.
@@ -147,20 +184,7 @@ class HolePattern:
         SceneError
             When there is material within a hole.
         """
-        return self._scene(np.rot90(self.whole(design), direction))
-
-    def _scene(self, whole: Design) -> Scene:
-        holes = [{"shape": "pattern", "values": whole.astype(float).tolist(), "frame": FRAME}]
-        return Scene.from_dict(
-            {
-                "title": f"Hole pattern of {self.grid} x {self.grid} points",
-                "plate": {"width": SIDE, "height": SIDE},
-                "holes": holes if whole.any() else [],
-                "cracks": [{"points": [[0.0, SIDE / 2], [CRACK, SIDE / 2]]}],
-                "material": PMMA,
-                "load": {"displacement": 1.0},
-            }
-        )
+        return self.plate.scene(np.rot90(self.whole(design), direction))
 
     def tensile_toughness(self, design: ArrayLike) -> np.ndarray:
         """U_T (directions,) of a design, mJ, the crack coming from one side after the other.
@@ -170,32 +194,62 @@ class HolePattern:
         ValueError
             When a simulation failed, with its reason.
         """
-        whole = self.whole(design)
-        return np.array([self._toughness(np.rot90(whole, k)) for k in range(self.directions)])
+        return self._of_directions(FIGURES["U_T"], design)
 
-    def _toughness(self, whole: Design) -> float:
+    def by_direction(self, design: ArrayLike) -> np.ndarray:
+        """What is to be large (directions,) of a design.
+
+        Raises
+        ------
+        ValueError
+            When a simulation failed, with its reason.
+        """
+        return self._of_directions(FIGURES[self.figure], design)
+
+    def _of_directions(self, figure: Figure, design: ArrayLike) -> np.ndarray:
+        whole = self.whole(design)
+        return np.array([self._simulated(figure, np.rot90(whole, k)) for k in range(self.directions)])
+
+    def _simulated(self, figure: Figure, whole: Design, at_least: float = 0.0) -> float | None:
+        """A figure of one direction; None where the tensile toughness that is asked for, mJ, is not reached."""
         result = simulate(
-            self._scene(whole),
+            self.plate.scene(whole),
             self.increment,
             self.initiation,
             self.engine,
             first_length=self.first_length,
-            largest_displacement=LARGEST,
+            largest_displacement=figure.largest,
+            at_least=at_least,
             errors=False,
         )
+        if result.attrs["outcome"] == Outcome.SHORT:
+            return None
         if result.attrs["outcome"].startswith(Outcome.FAILED):
             raise ValueError(result.attrs["outcome"])
-        return float(result.U_T)
+        return figure.of(result)
 
     def evaluate(self, design: np.ndarray, below: float) -> Value | Bound:
-        """Minus the least tensile toughness of a design, mJ; a bound where one direction is no tougher than asked for.
+        """Minus the figure of a design; a bound where it is no better than asked for.
 
-        What is simulated is the least of the designs that are equal by symmetry, so that all have one value.
+        What is simulated is the least of the designs that are equal by symmetry, so that all have one value, and the
+        direction that is likely to be weak comes first. A simulation ends where it can no longer be tough enough.
         """
-        whole = symmetric(self.whole(design))
-        least = np.inf
-        for k in range(self.directions):
-            least = min(least, self._toughness(np.rot90(whole, k)))
-            if -least >= below:
-                return Bound(-least)
-        return Value(-least)
+        whole = symmetric(self.whole(design), self.sides)
+        found: list[float] = []
+        for k in weakest_first(whole, self.directions):
+            figure = self._simulated(FIGURES[self.figure], np.rot90(whole, k), self._needed(found, -below))
+            if figure is None:
+                return Bound(below)
+            found.append(figure)
+            if self.over == "least" and -min(found) >= below:
+                return Bound(-min(found))
+        return Value(-OVER[self.over](found))
+
+    def _needed(self, found: list[float], wanted: float) -> float:
+        """Tensile toughness, mJ, that the next direction must have for all of them to reach what is wanted."""
+        if self.figure != "U_T" or not np.isfinite(wanted):
+            return 0.0
+        if self.over == "least":
+            return max(0.0, wanted)
+        last = len(found) == self.directions - 1
+        return max(0.0, self.directions * wanted - sum(found)) if last else 0.0

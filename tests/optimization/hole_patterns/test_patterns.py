@@ -9,8 +9,10 @@ from slmm.optimization.hole_patterns.patterns import (
     DIRECTIONS,
     expanded,
     fixed_cells,
+    repaired,
     shape_of,
     symmetric,
+    weakest_first,
 )
 from slmm.part.level_set import IslandError, LevelSet
 
@@ -86,3 +88,44 @@ def test_diagonal_neighbours_are_near_a_saddle():
     )
     assert near == 14
     assert LevelSet(np.zeros((3, 3)), (0.0, 0.0), 1.0).margin() == np.inf
+
+
+@given(st.integers(2, 8), st.integers(0, 2**32 - 1))
+def test_from_the_left_a_grid_breaks_like_its_mirror_image_alone(grid, seed):
+    whole = np.random.default_rng(seed).random((grid, grid)) < 0.5
+    least = symmetric(whole, "left")
+    assert (symmetric(whole[::-1], "left") == least).all()
+    assert (least == whole).all() or (least == whole[::-1]).all()
+
+
+@given(st.integers(2, 8), st.integers(0, 2**32 - 1))
+def test_the_weakest_direction_turns_with_the_grid(grid, seed):
+    """A quarter turn more here is one less there."""
+    whole = np.random.default_rng(seed).random((grid, grid)) < 0.5
+    pairs = [int((turn[:, 1:] & turn[:, :-1]).sum()) for turn in (np.rot90(whole, k) for k in range(4))]
+    order = weakest_first(whole, 4)
+    assert sorted(order) == [0, 1, 2, 3]
+    assert [pairs[k] for k in order] == sorted(pairs, reverse=True)
+
+
+@given(st.sampled_from(list(DIRECTIONS)), st.integers(3, 7), st.integers(0, 2**32 - 1))
+def test_repaired_designs_have_more_holes_in_place_of_islands(pattern, grid, seed):
+    fixed = fixed_cells(pattern, grid)
+    design = (np.random.default_rng(seed).random(shape_of(pattern, grid)) < 0.7) & ~fixed
+
+    def island(whole):
+        try:
+            LevelSet(whole.astype(float), (0.5, 0.5), 1.0 / grid).contours()
+        except IslandError as error:
+            return error.at
+        return None
+
+    valid = repaired(design, pattern, grid, island)
+    assert island(expanded(valid, pattern, grid)) is None
+    assert (valid >= design).all() and not valid[fixed].any()
+    assert is_valid(expanded(design, pattern, grid)) == (valid == design).all()
+
+
+def test_what_holes_cannot_repair_is_told():
+    with pytest.raises(ValueError, match="no design has as many holes"):
+        repaired(np.zeros((2, 2), bool), "reflected", 4, lambda whole: (0.5, 0.5))

@@ -3,14 +3,11 @@
 import numpy as np
 import pytest
 
+from slmm.fracture.boundary_engine import BoundaryEngine
 from slmm.optimization import Bound, HolePattern, search
 from slmm.part.level_set import IslandError
 
-SEVEN = HolePattern(7, "full")
-
-
-class FromOneSide(HolePattern):
-    directions = 1
+SEVEN = HolePattern(7, "full", sides="left")
 
 
 def around_the_middle(reach):
@@ -31,14 +28,14 @@ def around_the_middle(reach):
 )
 def test_toughness_is_that_of_a_prototype(design, U_T):
     """../shared/hole_patterns.md, whose own error is 1e-4."""
-    assert FromOneSide(7, "full").tensile_toughness(design) == pytest.approx(U_T, rel=5e-4)
+    assert SEVEN.tensile_toughness(design) == pytest.approx(U_T, rel=5e-4)
 
 
 def test_a_slit_is_tough_upright_and_weak_along_the_crack():
     """757 to 759 and 90.7 to 91 mJ in the paper; 756.85 and 89.43 in a prototype."""
     upright = np.zeros((7, 7), bool)
     upright[:, 3] = True
-    tough, weak = (FromOneSide(7, "full").tensile_toughness(d)[0] for d in (upright, upright.T))
+    tough, weak = (SEVEN.tensile_toughness(d)[0] for d in (upright, upright.T))
     assert tough == pytest.approx(756.85, rel=5e-4) and weak == pytest.approx(89.43, rel=5e-4)
 
 
@@ -50,6 +47,27 @@ def test_one_weak_direction_is_enough_to_bound_a_design():
     assert isinstance(bound, Bound) and bound.least >= -300.0
     # turned and mirrored it has the same key, and what is simulated is made from that
     assert {problem.key(other) for other in (slit, slit.T, slit[::-1].T)} == {problem.key(slit)}
+
+
+def test_a_limit_ends_simulations_early_and_changes_no_value(monkeypatch):
+    problem = HolePattern(3, "rotated")
+    design = np.zeros((2, 2), bool)
+    design[0, 1] = True
+    value = problem.evaluate(design, np.inf)
+    solve, solves = BoundaryEngine.solve, []
+
+    def counted(self, part):
+        solves.append(part)
+        return solve(self, part)
+
+    monkeypatch.setattr(BoundaryEngine, "solve", counted)
+    assert problem.evaluate(design, np.nextafter(value.value, np.inf)) == value
+    whole = len(solves)
+    solves.clear()
+    # 2 mm of the uncracked part's line are out of reach at once
+    assert problem.evaluate(design, -1e5) == Bound(-1e5)
+    assert len(solves) == 1 < whole
+    assert problem.evaluate(design, value.value) == Bound(value.value)
 
 
 def test_designs_that_are_equal_by_symmetry_have_one_value_to_the_bit():
