@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import nullcontext
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -57,6 +58,7 @@ def simulate(
     errors: bool = True,
     journal: str | Path | None = None,
     resume: bool = False,
+    from_step: int | None = None,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Fracture of a part under a load that grows until it breaks: cracks, the curve F(u), and the tensile toughness.
@@ -96,6 +98,9 @@ def simulate(
     resume : bool
         Go on behind the last step of the journal, if it is there; the result is that of a simulation that was never
         stopped, to the bit.
+    from_step : int, optional
+        Resume behind so many steps of the journal, 0 to all of them, and drop those that follow: behind another than
+        the last one, or where a simulation has ended.
     progress : callable
 
     Returns
@@ -140,6 +145,10 @@ def simulate(
             raise ValueError(f"{name} = {value!r}: must be a positive number")
     if resume and journal is None:
         raise ValueError("resume = True: needs the journal of what shall be resumed")
+    if from_step is not None and not resume:
+        raise ValueError(f"from_step = {from_step!r}: needs resume = True, which it is for")
+    if from_step is not None and (not isinstance(from_step, Integral) or from_step < 0):
+        raise ValueError(f"from_step = {from_step!r}: must be a number of steps, 0 or more")
     lengths = lengths_of(scene.part, increment, first_length, LOOK_AHEAD)
     solver = ENGINES[engine](scene.material, scene.loading, tolerance)
     settings = {
@@ -155,7 +164,10 @@ def simulate(
     rules = Rules(DIRECTIONS[direction], INITIATIONS[initiation](scene))
     simulation = Simulation(scene, solver, rules, lengths, largest, errors)
     run = run_of(scene, {**settings, "largest_displacement": largest_displacement, "errors": errors})
-    with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
+    with (
+        nullcontext() if journal is None else open_lines(journal, run, resume, from_step) as opened,
+        one_blas_thread(),
+    ):
         simulation.run(progress, opened)
     made_with = {**settings, **solver.described}
     return fracture_result(scene, simulation.part, simulation.history, made_with, simulation.reached)
