@@ -103,6 +103,12 @@ def fracture(
             "--resume", help="Go on where a killed simulation was: needs -o, beside which its journal lies."
         ),
     ] = False,
+    from_step: Annotated[
+        int | None,
+        typer.Option(
+            metavar="K", min=0, help="With --resume: behind step K of the journal; what follows is dropped."
+        ),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print all steps, curves and cracks as JSON.")
     ] = False,
@@ -123,6 +129,8 @@ def fracture(
             raise ValueError(f"--magnify {magnify:g}: needs --plot or --animate, which it is for")
         if resume and output is None:
             raise ValueError("--resume: needs -o, beside which the journal lies")
+        if from_step is not None and not resume:
+            raise ValueError(f"--from-step {from_step}: needs --resume, which it is for")
         journal = None if output is None else output.with_suffix(".jsonl")
         length = _increment(increment)
         from slmm.scene.scene import read_scene
@@ -144,6 +152,7 @@ def fracture(
                 largest_displacement=largest_displacement,
                 journal=journal,
                 resume=resume,
+                from_step=from_step,
                 progress=progress,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])

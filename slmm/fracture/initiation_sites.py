@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 #: the principal stress at depth is at most so many times the stress along the surface there; chosen
 ABOVE_SURFACE = 1.3
-#: less than this share of the largest stress along surfaces is no tension; round-off and discretisation
+#: less than this share of the largest stress along free surfaces is no tension; round-off and discretisation
 NO_TENSION = 1e-3
 #: peaks of the stress along surfaces that are asked first, and points to either side of each, among which the stress at
 #: depth has its own peak; chosen
@@ -45,9 +45,10 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
         return _stress_below(model, where, depth)
 
     hoop = model.hoop
-    least = max(least, NO_TENSION * float(np.abs(hoop).max()))
     exclusion = Exclusion.of(part, loading, depth)
     free = ~model.body.known.held.any(axis=1) & exclusion.is_clear(np.column_stack([z.real, z.imag]))
+    # where supports end a stress has no largest value
+    least = max(least, NO_TENSION * float(np.abs(hoop[free]).max(initial=0.0)))
     hoop = np.where(free, ABOVE_SURFACE * hoop, -np.inf)
     found = at_corners(part, loading, stress_below, depth)
     least = max(least, max((site.stress for site in found), default=0.0) / BETWEEN)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import nullcontext
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,19 +15,16 @@ from numpy.typing import NDArray
 from slmm.fracture.boundary_engine import BoundaryEngine
 from slmm.fracture.directions import DIRECTIONS
 from slmm.fracture.engine import Engine, Rules
-from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.fem_engine import FemEngine
-from slmm.fracture.first_cracks import INITIATIONS, point_method
+from slmm.fracture.first_cracks import INITIATIONS
 from slmm.fracture.fracture_result import fracture_result
-from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
-from slmm.fracture.growth import LOOK_AHEAD, Surroundings
-from slmm.fracture.history import Candidate, Excluded, History, Outcome, Step
-from slmm.fracture.journal import end_of, history_of, record_of, run_of, step_of
-from slmm.fracture.lengths import Lengths, lengths_of
-from slmm.fracture.work_conjugate import work_conjugate
+from slmm.fracture.growth import LOOK_AHEAD
+from slmm.fracture.journal import run_of
+from slmm.fracture.lengths import lengths_of
+from slmm.fracture.process import Process
 from slmm.mechanics.material import Material
 from slmm.running.blas import one_blas_thread
-from slmm.running.line_journal import LineJournal, open_lines
+from slmm.running.line_journal import open_lines
 from slmm.running.progress import Progress, silent
 from slmm.scene.loading import Loading
 from slmm.scene.scene import Scene
@@ -36,8 +34,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
-MOST_CROSSINGS = 10
 ENGINES: dict[str, Callable[[Material, Loading, float], Engine]] = {
     "boundary": BoundaryEngine,
     "fem": FemEngine,
@@ -58,6 +54,7 @@ def simulate(
     errors: bool = True,
     journal: str | Path | None = None,
     resume: bool = False,
+    from_step: int | None = None,
     progress: Progress = silent,
 ) -> xr.Dataset:
     """Fracture of a part under a load that grows until it breaks: cracks, the curve F(u), and the tensile toughness.
@@ -100,6 +97,9 @@ def simulate(
     resume : bool
         Go on behind the last step of the journal, if it is there; the result is that of a simulation that was never
         stopped, to the bit.
+    from_step : int, optional
+        Resume behind so many steps of the journal, 0 to all of them, and drop those that follow: behind another than
+        the last one, or where a simulation has ended.
     progress : callable
 
     Returns
@@ -150,6 +150,10 @@ def simulate(
         )
     if resume and journal is None:
         raise ValueError("resume = True: needs the journal of what shall be resumed")
+    if from_step is not None and not resume:
+        raise ValueError(f"from_step = {from_step!r}: needs resume = True, which it is for")
+    if from_step is not None and (not isinstance(from_step, Integral) or from_step < 0):
+        raise ValueError(f"from_step = {from_step!r}: must be a number of steps, 0 or more")
     lengths = lengths_of(scene.part, increment, first_length, LOOK_AHEAD)
     solver = ENGINES[engine](scene.material, scene.loading, tolerance)
     settings = {
@@ -163,182 +167,13 @@ def simulate(
     }
     largest = largest_displacement or math.inf
     rules = Rules(DIRECTIONS[direction], INITIATIONS[initiation](scene))
-    simulation = Simulation(scene, solver, rules, lengths, largest, errors, at_least)
+    process = Process(scene, solver, rules, lengths, largest, errors, at_least)
     asked = {"at_least": at_least} if at_least else {}
     run = run_of(scene, {**settings, "largest_displacement": largest_displacement, **asked, "errors": errors})
-    with nullcontext() if journal is None else open_lines(journal, run, resume) as opened, one_blas_thread():
-        simulation.run(progress, opened)
+    with (
+        nullcontext() if journal is None else open_lines(journal, run, resume, from_step) as opened,
+        one_blas_thread(),
+    ):
+        process.run(progress, opened)
     made_with = {**settings, **solver.described}
-    return fracture_result(scene, simulation.part, simulation.history, made_with, simulation.reached)
-
-
-class Simulation:
-    """A part on its way to fracture.
-
-    Attributes
-    ----------
-    part : Part
-        With its cracks as they are now.
-    history : History
-    reached : list of list of int
-        For each crack and each of its points the step that led there; -1 of what was there before.
-    """
-
-    def __init__(
-        self,
-        scene: Scene,
-        engine: Engine,
-        rules: Rules,
-        lengths: Lengths,
-        largest: float,
-        errors: bool,
-        at_least: float,
-    ) -> None:
-        """Nothing happens yet."""
-        self.part, self.loading, self.engine = scene.part, scene.loading, engine
-        self.conjugate = work_conjugate(self.loading, self.part.thickness)
-        self.rules, self.lengths, self.largest, self.errors = rules, lengths, largest, errors
-        self.at_least = at_least
-        self.surroundings = Surroundings(self.part)
-        self.history = History()
-        self.reached = [[-1] * len(crack.points) for crack in self.part.cracks]
-
-    def run(self, progress: Progress = silent, journal: LineJournal | None = None) -> None:
-        """Step by step to the end, behind those of a journal; what fails ends it."""
-        if journal is not None:
-            self._take_up([step_of(record) for record in journal.records], solves=journal.end is None)
-            if journal.end is not None:
-                self.history = history_of(self.history.steps, journal.end)
-                return
-        self._go_on(progress, journal)
-        if journal is not None:
-            journal.add_end(end_of(self.history))
-
-    def _go_on(self, progress: Progress, journal: LineJournal | None) -> None:
-        """Solve and let happen what comes next, again and again."""
-        steps = self.history.steps
-        if self.part.is_severed:
-            # steps of a journal may end where a crack has just run into something
-            self.history.outcome = (self._ended() if steps else None) or Outcome.SEVERED
-            return
-        side = float(np.ptp(self.part.outer, axis=0).min())
-        for k in range(len(steps), int(MOST_CROSSINGS * side / self.lengths.growth)):
-            progress(
-                1 - 0.97**k, f"step {k + 1}, {len(self.part.cracks)} cracks, u = {self.history.u:.3g} mm"
-            )
-            try:
-                outcome = self._step()
-            except (ValueError, ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
-                if not steps:
-                    raise
-                outcome, self.history.reason = Outcome.FAILED, str(error)
-            if journal is not None and len(steps) > k:
-                journal.add(record_of(steps[k]))
-            if outcome is not None:
-                self.history.outcome = outcome
-                return
-
-    def _take_up(self, steps: list[Step], solves: bool) -> None:
-        """Let happen again what happened, solved again where the engine keeps something of it for what follows."""
-        for k, step in enumerate(steps):
-            if solves and self.engine.keeps:
-                state = self.engine.solve(self.part)
-                if self.rules.initiation is not point_method:  # trial cracks leave their panels behind
-                    state.events(self.rules)
-                if math.isfinite(step.finer[0]):
-                    state.finer(step.event)
-            grown = self._grown(step.event, step.u_c)
-            if (grown.crack, tuple(grown.end.tolist())) != (step.crack, step.end):
-                raise ValueError(
-                    f"step {k + 1} of the journal leads crack {step.crack} to {step.end}, and here crack {grown.crack} "
-                    f"to {tuple(grown.end.tolist())}: it was written on another machine; begin anew"
-                )
-            self.history.last_stiffness = step.stiffness
-            self._happens(step, grown)
-
-    def _step(self) -> Outcome | None:
-        """Solve, find the next event, and let it happen; how it ended, if it did."""
-        history = self.history
-        state = self.engine.solve(self.part)
-        F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
-        history.last_stiffness = F / u
-        if self.at_least and history.toughness_at_most(self.largest) < self.at_least:
-            return Outcome.SHORT
-        found = state.events(self.rules)
-        events = [event for event in found if not event.excluded]
-        excluded = tuple(
-            Excluded(event.load * u, float(event.point[0]), float(event.point[1]), event.excluded)
-            for event in found
-            if event.excluded
-        )
-        if not events:
-            if excluded:
-                history.reason = (
-                    f"what would crack first, at u = {min(excluded).u_c:.4g} mm, is {min(excluded).reason}"
-                )
-            return Outcome.NO_EVENT
-        event, gap = next_event(events)
-        if event.load * u > self.largest:
-            history.last_u, history.next_u = self.largest, event.load * u
-            return Outcome.LARGEST
-        grown = self._grown(event, event.load * u)
-        finer = (math.nan, math.nan)
-        if self.errors and event.load * u > history.u:
-            work, load = state.finer(event)
-            F_finer, u_finer = self.conjugate.force_and_displacement(work * self.part.thickness)
-            finer = F_finer / u_finer, load * u_finer
-        step = Step(
-            event.load * u,
-            F / u,
-            event,
-            grown.crack,
-            tuple(grown.end.tolist()),
-            grown.arrested_by,
-            float(np.linalg.norm(grown.end - event.point)),
-            gap,
-            state.touches,
-            tuple(self._candidate(event, u) for event in events),
-            finer,
-            excluded,
-        )
-        self._happens(step, grown)
-        return self._ended() if step.arrested_by else None
-
-    def _happens(self, step: Step, grown: GrownPart) -> None:
-        """Take over what a step has made of the part."""
-        k = len(self.history.steps)
-        if grown.crack == len(self.reached):
-            self.reached.append([k, k])
-        else:
-            self.reached[grown.crack].insert(0 if grown.at_start else len(self.reached[grown.crack]), k)
-        self.history.steps.append(step)
-        self.part = grown.part
-
-    def _candidate(self, event: Event, u: float) -> Candidate:
-        """What is in question, where u is the displacement under the scene's own load, mm."""
-        crack = crack_of(self.part, event.tip) if event.kind is Kind.GROWTH else -1
-        x, y = event.point.tolist()
-        return Candidate(event.load * u, event.kind, crack, event.hole, x, y)
-
-    def _grown(self, event: Event, u_c: float) -> GrownPart:
-        length = self._length(event, u_c) if event.kind is Kind.GROWTH else event.length or self.lengths.first
-        return grown_part(self.part, event, self.surroundings, length, self.lengths.ahead)
-
-    def _length(self, event: Event, u_c: float) -> float:
-        """Length of a tip's increment, mm."""
-        crack = crack_of(self.part, event.tip)
-        at_start = bool((self.part.cracks[crack].points[0] == event.point).all())
-        has_grown = self.reached[crack][0 if at_start else -1] >= 0
-        room = self.surroundings.room(self.part, event.point, crack) if self.lengths.by_path else math.inf
-        line, rising = self.part.tips[event.tip], u_c >= self.history.u
-        return self.lengths.along(line, has_grown, event.direction, room, rising)
-
-    def _ended(self) -> Outcome | None:
-        """What a part is whose crack has just run into something."""
-        if len(self.part.pieces) == 1:
-            return None
-        near = 2 * self.part.tolerance
-        if sum(is_carried(piece, self.loading, near) for piece in self.part.pieces) < 2:
-            return Outcome.LOOSE
-        self.history.last_stiffness = 0.0
-        return Outcome.SEVERED
+    return fracture_result(scene, process.part, process.history, made_with, process.reached)

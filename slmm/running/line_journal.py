@@ -65,7 +65,9 @@ class LineJournal:
 
 
 @contextmanager
-def open_lines(path: str | Path, run: Mapping[str, Any], resume: bool = False) -> Iterator[LineJournal]:
+def open_lines(
+    path: str | Path, run: Mapping[str, Any], resume: bool = False, keep: int | None = None
+) -> Iterator[LineJournal]:
     """The journal of a run.
 
     Parameters
@@ -76,12 +78,14 @@ def open_lines(path: str | Path, run: Mapping[str, Any], resume: bool = False) -
         What the run is, of what JSON can hold.
     resume : bool
         Continue the run that is in the file, if there is one.
+    keep : int, optional
+        Behind so many of its records; what follows them, its end too, is dropped from the file.
 
     Raises
     ------
     ValueError
         For the file of a run that has not ended and shall not be resumed, one that is damaged, no journal or that of
-        another run, or in use.
+        another run, in use, or with fewer records than shall be kept.
     NotWrittenError
         When the disk is full, or cannot be written to.
 
@@ -96,6 +100,8 @@ def open_lines(path: str | Path, run: Mapping[str, Any], resume: bool = False) -
     [{'u': 0.1}]
     """
     path = Path(path)
+    if keep and not os.path.lexists(path):
+        raise ValueError(f"journal {shown(path)}: is not there, and holds no {keep} steps")
     if os.path.lexists(path) and (problem := input_problem(path)):
         raise ValueError(f"journal {shown(path)}: {problem}")
     with _naming(path):
@@ -103,7 +109,7 @@ def open_lines(path: str | Path, run: Mapping[str, Any], resume: bool = False) -
     with file:
         with _naming(path):
             _lock(file)
-            journal = _read(path, file, run, resume)
+            journal = _read(path, file, run, resume, keep)
         size = file.tell()
         try:
             if not size:
@@ -116,7 +122,7 @@ def open_lines(path: str | Path, run: Mapping[str, Any], resume: bool = False) -
             raise
 
 
-def _read(path: Path, file: FileIO, run: Mapping[str, Any], resume: bool) -> LineJournal:
+def _read(path: Path, file: FileIO, run: Mapping[str, Any], resume: bool, keep: int | None) -> LineJournal:
     """What is in a file; it ends then where something may be written."""
     file.seek(0)
     content = file.readall()
@@ -125,6 +131,8 @@ def _read(path: Path, file: FileIO, run: Mapping[str, Any], resume: bool) -> Lin
     if not records:
         if not _line({"slmm": FORMAT, "run": run}).startswith(content):
             raise ValueError("is no journal of a simulation")
+        if keep:
+            raise ValueError(f"holds no steps, and cannot go on behind step {keep}")
         return LineJournal(path, _cut(file, 0))
     first = records.pop(0)
     if first.get("slmm") != FORMAT:
@@ -138,7 +146,12 @@ def _read(path: Path, file: FileIO, run: Mapping[str, Any], resume: bool) -> Lin
     if differ := [what for what in {**this, **its} if its.get(what) != this.get(what)]:
         theirs, ours = (", ".join(f"{what} = {a.get(what)}" for what in differ) for a in (its, this))
         raise ValueError(f"is that of another run, with {theirs}; this one has {ours}")
-    return LineJournal(path, _cut(file, len(whole)), records, end)
+    if keep is None:
+        return LineJournal(path, _cut(file, len(whole)), records, end)
+    if keep > len(records):
+        raise ValueError(f"holds {len(records)} steps, and cannot go on behind step {keep}")
+    size = sum(map(len, whole.splitlines(keepends=True)[: 1 + keep]))
+    return LineJournal(path, _cut(file, size), records[:keep])
 
 
 def _cut(file: FileIO, size: int) -> FileIO:

@@ -108,6 +108,11 @@ def test_a_stopped_simulation_is_resumed_to_the_same_result(plate, tmp_path):
     assert (again.exit_code, again.stdout) == (0, first.stdout)
     with xr.open_dataset(output) as result:
         xr.testing.assert_identical(result.load().drop_attrs(), undisturbed)
+    lines = journal.read_bytes()
+    behind = run(*arguments, "--resume", "--from-step", 3)
+    assert (behind.exit_code, behind.stdout, journal.read_bytes()) == (0, first.stdout, lines)
+    assert refused(run(*arguments, "--resume", "--from-step", 99), "cannot go on behind step 99")
+    assert refused(run(*arguments, "--from-step", 3), "--from-step 3: needs --resume")
     # one that has ended may begin anew
     assert run(*arguments).exit_code == 0
     assert refused(run("fracture", plate, "--resume"), "--resume: needs -o")

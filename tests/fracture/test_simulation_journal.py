@@ -51,6 +51,54 @@ def test_stopped_after_any_step_it_ends_as_if_undisturbed(undisturbed, tmp_path)
         assert cut.read_bytes() == path.read_bytes()
 
 
+def test_from_any_step_it_ends_as_if_undisturbed_and_what_followed_is_gone(undisturbed, tmp_path):
+    path, result = undisturbed
+    again = tmp_path / "again.jsonl"
+    for k in range(result.sizes["step"] + 1):
+        again.write_bytes(path.read_bytes())
+        resumed = simulate(plate(), INCREMENT, journal=again, resume=True, from_step=k)
+        xr.testing.assert_identical(resumed, result)
+        assert again.read_bytes() == path.read_bytes()
+
+
+def test_from_a_step_the_rest_is_solved_anew(undisturbed, tmp_path, monkeypatch):
+    """A simulation that failed goes on behind a step before the failure."""
+    path, result = undisturbed
+    failing, solve, left = tmp_path / "failing.jsonl", BoundaryEngine.solve, [5]
+
+    def fails(self, part):
+        left[0] -= 1
+        if left[0] < 0:
+            raise ValueError("boundary integrals: too many points")
+        return solve(self, part)
+
+    monkeypatch.setattr(BoundaryEngine, "solve", fails)
+    failed = simulate(plate(), INCREMENT, journal=failing)
+    assert failed.attrs["outcome"].startswith(Outcome.FAILED) and failed.sizes["step"] == 5
+    left[0] = 100
+    assert simulate(plate(), INCREMENT, journal=failing, resume=True).sizes["step"] == 5
+    mended = simulate(plate(), INCREMENT, journal=failing, resume=True, from_step=3)
+    xr.testing.assert_identical(mended, result)
+    assert failing.read_bytes() == path.read_bytes()
+
+
+def test_steps_that_are_not_there_are_refused_and_nothing_is_lost(undisturbed, tmp_path):
+    path, result = undisturbed
+    steps, again, missing = result.sizes["step"], tmp_path / "again.jsonl", tmp_path / "missing.jsonl"
+    again.write_bytes(path.read_bytes())
+    with pytest.raises(ValueError, match=rf"holds {steps} steps, and cannot go on behind step {steps + 1}"):
+        simulate(plate(), INCREMENT, journal=again, resume=True, from_step=steps + 1)
+    assert again.read_bytes() == path.read_bytes()
+    with pytest.raises(ValueError, match=r"missing\.jsonl: is not there, and holds no 2 steps"):
+        simulate(plate(), INCREMENT, journal=missing, resume=True, from_step=2)
+    assert not missing.exists()
+    with pytest.raises(ValueError, match="from_step = 2: needs resume = True"):
+        simulate(plate(), INCREMENT, journal=again, from_step=2)
+    for value in (-1, 1.5):
+        with pytest.raises(ValueError, match=f"from_step = {value}: must be a number of steps, 0 or more"):
+            simulate(plate(), INCREMENT, journal=again, resume=True, from_step=value)
+
+
 def test_what_has_ended_is_read_back_without_a_solve(undisturbed, solves):
     path, result = undisturbed
     xr.testing.assert_identical(simulate(plate(), INCREMENT, journal=path, resume=True), result)
@@ -85,7 +133,7 @@ def test_other_ends_are_resumed_too(settings, tmp_path, solves):
 
 def test_a_piece_that_comes_loose_is_told_after_a_stop_there(tmp_path, monkeypatch):
     """And is not taken for severing."""
-    monkeypatch.setattr("slmm.fracture.simulation.is_carried", lambda *_: False)
+    monkeypatch.setattr("slmm.fracture.process.is_carried", lambda *_: False)
     path = tmp_path / "run.jsonl"
     result = simulate(plate(), INCREMENT, journal=path, errors=False)
     assert result.attrs["outcome"] == Outcome.LOOSE

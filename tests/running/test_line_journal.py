@@ -71,6 +71,17 @@ def test_a_run_at_work_is_not_begun_anew_and_one_that_has_ended_is(written):
         assert journal.end is None and not journal.records
 
 
+def test_records_behind_those_that_are_kept_are_dropped_with_the_end(written):
+    with open_lines(written, RUN, resume=True) as journal:
+        journal.add_end({"outcome": "severed"})
+    with pytest.raises(ValueError, match="holds 3 steps, and cannot go on behind step 4"):
+        open_lines(written, RUN, resume=True, keep=4).__enter__()
+    with open_lines(written, RUN, resume=True, keep=2) as journal:
+        kept = journal.records
+        assert journal.end is None and len(kept) == 2
+    assert records(written) == kept
+
+
 @pytest.mark.parametrize("content", [b"title = 'a scene'\n", b"\x89PNG\n\x00", b"half a sentence"])
 @pytest.mark.parametrize("resume", [True, False])
 def test_what_is_no_journal_is_left_as_it_is(tmp_path, content, resume):
