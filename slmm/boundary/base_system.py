@@ -9,12 +9,13 @@ from slmm.boundary.densities import Targets, parts
 from slmm.boundary.equations import Equations
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex
+from slmm.boundary.skeletonised import Skeletonised
 from slmm.boundary.solvers import Factorised, Iterative, Solver, WithRigid
 from slmm.mechanics.rigid import free_motions
 from slmm.scene.load_checks import UNBALANCED
 
-#: points up to which all is factorised (chosen by the time: both ways take some seconds)
-MOST_FACTORISED = 2500
+#: points up to which all is factorised, and up to which clusters are; beyond all is iterated (chosen by the time)
+MOST_FACTORISED, MOST_SKELETONISED = 2000, 8000
 #: weights that are computed at once for what is known: 32 MB of each kind (chosen)
 MOST_WEIGHTS = 2_000_000
 
@@ -42,7 +43,7 @@ class BaseSystem:
         The panels on which tractions act, known or not, or displacements are known.
     tractions : Tractions
         On these.
-    solver : Factorised or Iterative
+    solver : Factorised, Skeletonised or Iterative
         With rigid bodies at rest.
     solution : ndarray, shape (2 n + m,)
         Unknowns without cracks.
@@ -63,7 +64,8 @@ class BaseSystem:
         self._set_motions(
             free_motions(np.column_stack([panels.z.real, panels.z.imag]), known.held), known, weight
         )
-        self.solver: Solver = (Iterative if self.is_iterative else Factorised)(
+        by_clusters = Iterative if self.is_iterative else Skeletonised
+        self.solver: Solver = (by_clusters if panels.n > MOST_FACTORISED else Factorised)(
             self.equations, self.motions(panels.z), self._felt_motions
         )
         here, turns = Targets.on(panels), max(1, panels.n * len(self.equations.points) // MOST_WEIGHTS)
@@ -78,8 +80,8 @@ class BaseSystem:
 
     @property
     def is_iterative(self) -> bool:
-        """Whether there are too many points for factors."""
-        return self.panels.n > MOST_FACTORISED
+        """Whether there are too many points for factors, of clusters too."""
+        return self.panels.n > max(MOST_FACTORISED, MOST_SKELETONISED)
 
     @property
     def unknowns(self) -> int:

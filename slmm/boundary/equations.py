@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slmm.boundary.conditions import Known
 from slmm.boundary.densities import (
@@ -59,12 +60,36 @@ class Equations:
             matrix[:, columns] = self.tractions.displacement(here).real()[:, held]
         return matrix
 
+    def chosen(self, which: NDArray[np.int64]) -> Equations:
+        """The same of some panels alone."""
+        points = (which[:, None] * self.panels.p + np.arange(self.panels.p)).ravel()
+        return Equations(self.panels.chosen(which), self.known.chosen(points), self.kappa, self.size)
+
+    def caused(self, at: Targets, columns: NDArray[np.int64]) -> Array:
+        """W at targets (t,) by some of the unknowns (k,) alone; (2 t, k)."""
+        width = 2 * self.panels.p
+        if not len(columns):
+            return np.empty((2 * len(at.z), 0))
+        which, place = np.unique(columns // width, return_inverse=True)
+        some = self.chosen(which).displacement(at.of(which, self.panels.p))
+        return np.asarray(some[:, place * width + columns % width])
+
+    def entries(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Array:
+        """Of the matrix, at equations (i,) and unknowns (j,)."""
+        points, place = np.unique(rows // 2, return_inverse=True)
+        at = Targets(self.panels.z[points], points, self.panels.smooth[points // self.panels.p])
+        found = self.caused(at, columns)[2 * place + rows % 2]
+        i, j = np.nonzero(rows[:, None] == columns)
+        found[i, j] -= np.where(self.known.held.ravel()[rows[i]], 0.0, self.kappa + 1)
+        return found
+
     def given_displacement(self, at: Targets) -> Array:
         """W at targets (t,) by what is known, and by the motions, less (kappa + 1) g at own points; (2 t, 1 + m)."""
         here = at.of(self.acted, self.panels.p)
-        by_g, _ = displacement_of_boundary(self.tractions.panels, self.kappa, here)
+        by_g, by_q = displacement_of_boundary(self.tractions.panels, self.kappa, here)
         W = by_g(self._given_g)
-        W[:, 0] += self.tractions.displacement(here)(self._known_t)
+        if self._known_t.any():
+            W[:, 0] += self.tractions.caused(here, self._known_t, by_q)
         own = here.own >= 0
         W[own] -= (self.kappa + 1) * self._given_g[here.own[own]]
         return _by_columns(W)

@@ -1,4 +1,7 @@
-"""What solves the equations of a body without cracks: their factors, or iterations where there are too many."""
+"""What solves the equations of a body without cracks: their factors, or iterations where there are too many.
+
+Between both serves `slmm.boundary.skeletonised`.
+"""
 
 from __future__ import annotations
 
@@ -96,13 +99,9 @@ class Iterative:
 
     def _block(self, which: NDArray[np.int64]) -> tuple[NDArray[np.int64], tuple[Array, Array]]:
         """Numbers of the unknowns of some panels, and the factors of what these cause at themselves."""
-        equations, p = self._equations, self._equations.panels.p
-        points = (which[:, None] * p + np.arange(p)).ravel()
-        unknowns = (2 * points[:, None] + np.arange(2)).ravel()
-        own = Equations(
-            equations.panels.chosen(which), equations.known.chosen(points), equations.kappa, equations.size
-        )
-        matrix = own.matrix()
+        equations, width = self._equations, 2 * self._equations.panels.p
+        unknowns = (which[:, None] * width + np.arange(width)).ravel()
+        matrix = equations.chosen(which).matrix()
         matrix += self._moves[unknowns] @ self._felt[:, unknowns]
         return unknowns, la.lu_factor(matrix, overwrite_a=True)
 

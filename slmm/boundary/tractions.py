@@ -74,6 +74,13 @@ class Tractions:
         behind = displacement_of_jumps(self.kappa, self.behind, self.size, at.z)
         return self._by_values(by_q, behind, displacement_of_highest(self.panels, self.kappa, at))
 
+    def caused(self, at: Targets, t: Complex, by_q: Linear) -> Complex:
+        """The same (t,) of given tractions, from the weights of q alone."""
+        q, behind = self.resultants(t)
+        by_behind = displacement_of_jumps(self.kappa, self.behind, self.size, at.z)
+        by_highest = displacement_of_highest(self.panels, self.kappa, at)
+        return by_q(q) + by_behind(behind) + by_highest(self.unseen(t))
+
     def along(self, z: Complex, e: Complex) -> Linear:
         """Change of the resultant force along directions e (t,) at points z (t,), by tractions (h,)."""
         by_q = traction_of(*stress_of_boundary(self.panels, z), self.kappa, e)

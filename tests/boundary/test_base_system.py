@@ -1,10 +1,11 @@
-"""Iterations and factors of the whole matrix solve the same equations."""
+"""Iterations, skeletons and factors of the whole matrix solve the same equations."""
 
 import numpy as np
 import pytest
 
-from slmm.boundary import base_system
+from slmm.boundary import base_system, skeletonised
 from slmm.boundary.model import BoundaryModel
+from slmm.boundary.skeletonised import Skeletonised
 from slmm.boundary.solvers import Factorised, Iterative
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
@@ -31,30 +32,44 @@ LOADINGS = {
 }
 
 
-def both(monkeypatch, part, loading, p=6):
+def both(monkeypatch, part, loading, way, p=6):
     factorised = BoundaryModel(part, PMMA, loading, p)
     monkeypatch.setattr(base_system, "MOST_FACTORISED", 0)
-    iterative = BoundaryModel(part, PMMA, loading, p)
+    if way is Iterative:
+        monkeypatch.setattr(base_system, "MOST_SKELETONISED", 0)
+    # so few that there are several levels of clusters
+    monkeypatch.setattr(skeletonised, "LEAF", 60)
+    monkeypatch.setattr(skeletonised, "MOST_LEFT", 300)
+    other = BoundaryModel(part, PMMA, loading, p)
     assert isinstance(factorised.body.base.solver, Factorised)
-    assert isinstance(iterative.body.base.solver, Iterative)
-    return factorised, iterative
+    assert isinstance(other.body.base.solver, way)
+    return factorised, other
 
 
+@pytest.mark.parametrize("way", [Iterative, Skeletonised])
 @pytest.mark.parametrize("loading", LOADINGS.values(), ids=LOADINGS)
-def test_densities_and_stresses_are_the_same(monkeypatch, loading):
-    one, other = both(monkeypatch, Part.plate(36.0, 34.0, HOLES), loading)
+def test_densities_and_stresses_are_the_same(monkeypatch, loading, way):
+    one, other = both(monkeypatch, Part.plate(36.0, 34.0, HOLES), loading, way)
     assert np.abs(other.g - one.g).max() < 1e-8 * np.abs(one.g).max()
     assert np.abs(other.hoop - one.hoop).max() < 1e-6 * np.abs(one.hoop).max()
 
 
-def test_cracks_feel_the_same_and_go_on_from_what_was_searched(monkeypatch):
+@pytest.mark.parametrize("way", [Iterative, Skeletonised])
+def test_cracks_feel_the_same_and_go_on_from_what_was_searched(monkeypatch, way):
     part = Part.plate(36.0, 34.0, HOLES, [[(0.0, 16.0), (5.0, 15.5)]])
-    one, other = both(monkeypatch, part, LOADINGS["displacement"])
+    one, other = both(monkeypatch, part, LOADINGS["displacement"], way)
     np.testing.assert_allclose(other.stress_intensities(), one.stress_intensities(), rtol=1e-7)
     grown = part.grown(0, (6.0, 15.5))
-    assert other.body.serves(grown)
+    assert other.body.serves(grown) == (way is Iterative)
     K = other.with_cracks_of(grown).stress_intensities()
     np.testing.assert_allclose(K, one.with_cracks_of(grown).stress_intensities(), rtol=1e-7)
+
+
+@pytest.mark.parametrize("apart", [1.0, 1e-3])
+def test_skeletons_feel_thin_ligaments(monkeypatch, apart):
+    pair = [Outline.through(circle((x, 17.0), 6.0)) for x in (12.0 - apart / 2, 24.0 + apart / 2)]
+    one, other = both(monkeypatch, Part.plate(36.0, 34.0, pair), LOADINGS["displacement"], Skeletonised)
+    assert np.abs(other.hoop - one.hoop).max() < 1e-6 * np.abs(one.hoop).max()
 
 
 def test_loads_that_do_not_balance_are_refused(monkeypatch):
