@@ -38,7 +38,7 @@ class Body:
     material : Material
     loading : Loading
     p : int
-        Gauss points on each panel.
+        Gauss points on each panel; an even number.
     grading : Grading
     ahead : sequence of complex
         Where tips may come to be, mm: panels are as short as these ask for, too.
@@ -66,6 +66,11 @@ class Body:
         ahead: Sequence[complex] = (),
     ) -> None:
         """Assemble and factorise."""
+        if p % 2:
+            raise ValueError(
+                f"p = {p}: must be even; an odd number of points on a straight edge that rolls leaves the equations "
+                "singular"
+            )
         check_in_one_piece(part)
         E, nu = material.plane_stress_equivalent
         self.loading, self.material, self.p, self.grading = loading, material, p, grading

@@ -110,3 +110,9 @@ def test_factors_that_grow_and_shrink_solve():
     assert matrix @ factors.solve(right) == pytest.approx(right, abs=1e-11)
     factors.truncate(0)
     assert factors.solve(np.empty(0)).shape == (0,)
+
+
+def test_an_odd_number_of_points_is_refused():
+    """On a straight edge that rolls their equations would be singular."""
+    with pytest.raises(ValueError, match="p = 5: must be even"):
+        BoundaryModel(Part.plate(80.0, 80.0), PMMA, plate_loading(80.0, 80.0, displacement=1.0), p=5)
