@@ -23,7 +23,7 @@ from checks import Check, append, run, saved, show
 from slmm.fracture import simulate
 from slmm.fracture.history import Outcome
 from slmm.optimization import HolePattern
-from slmm.optimization.hole_patterns.problem import LARGEST
+from slmm.optimization.hole_patterns.objectives import LARGEST
 
 DESIGNS, DIRECTIONS, SEED = 500, 4, 0
 #: support points along a side; required
