@@ -89,7 +89,7 @@ def main(quick: bool = False) -> list[Check]:
     dice, checks = random.Random(0), []
     kills = 3 if quick else KILLS
     for name, (holes, increment) in list(PLATES.items())[: 1 if quick else None]:
-        increment = "1.0" if quick else increment
+        increment = "0.5" if quick else increment
         case = f"{name}, increment {increment} mm"
         with tempfile.TemporaryDirectory() as folder:
             scene, calm, output = (Path(folder) / name for name in ("plate.toml", "calm.nc", "killed.nc"))

@@ -19,7 +19,7 @@ from slmm.boundary.skeletons import Around, Numbers, Skeleton
 
 #: points of the smallest clusters, and unknowns of skeletons up to which all that is left is factorised (chosen by the
 #: time)
-LEAF, MOST_LEFT = 150, 3000
+LEAF, MOST_LEFT = 120, 3500
 
 
 class Skeletonised:
