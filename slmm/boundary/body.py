@@ -38,7 +38,7 @@ class Body:
     material : Material
     loading : Loading
     p : int
-        Gauss points on each panel; an even number.
+        Gauss points on each panel; an even number where an edge rolls.
     grading : Grading
     ahead : sequence of complex
         Where tips may come to be, mm: panels are as short as these ask for, too.
@@ -66,11 +66,6 @@ class Body:
         ahead: Sequence[complex] = (),
     ) -> None:
         """Assemble and factorise."""
-        if p % 2:
-            raise ValueError(
-                f"p = {p}: must be even; an odd number of points on a straight edge that rolls leaves the equations "
-                "singular"
-            )
         check_in_one_piece(part)
         E, nu = material.plane_stress_equivalent
         self.loading, self.material, self.p, self.grading = loading, material, p, grading
@@ -82,6 +77,11 @@ class Body:
         self._curves = curves.with_mouths(self.mouths)
         tips = np.concatenate([tips_of(part), np.array(ahead, dtype=complex)])
         self._take(self._curves.divided(curves.first(p), tips))
+        if p % 2 and np.any(self.known.held.any(axis=1) & ~self.known.held.all(axis=1)):
+            raise ValueError(
+                f"p = {p}: must be even; an odd number of points on a straight edge that rolls leaves the equations "
+                "singular"
+            )
         self.base = BaseSystem(self.panels, self.known, self.kappa, float(np.ptp(part.outer, axis=0).max()))
         self.border = Border(self.base)
         self.of_base, self.removed = np.arange(len(self.panels.intervals)), np.empty(0, dtype=int)
