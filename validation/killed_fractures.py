@@ -45,7 +45,7 @@ PLATES = {
     "two circles": (CIRCLE.format(46, 45, 12) + CIRCLE.format(24, 36, 4), "0.25"),
     "two circles and an ellipse": (
         CIRCLE.format(28, 44, 6) + CIRCLE.format(46, 30, 5) + ELLIPSE,
-        "0.4",
+        "0.2",
     ),
 }
 
