@@ -14,6 +14,7 @@ from slmm.criteria.coupled import NONE
 from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
 from slmm.initiation.boundary_field import COVERED, BoundaryField, solve_boundary
+from slmm.initiation.paths import IN_LIGAMENT
 from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal_stress
 from slmm.mechanics.williams import singular_exponent
@@ -22,6 +23,9 @@ from slmm.mechanics.williams import singular_exponent
 CLOSED = 1e-6
 #: what is always there, as a share: interpolation between lengths and round-off; chosen
 FLOOR = 1e-5
+#: trial cracks in a ligament reach so many of the part's tolerances at least, for the shortest of them is 1/247
+#: of the longest; round-off
+IN_TOLERANCES = 250.0
 
 
 def by_boundary(task: Task) -> Answer:
@@ -49,6 +53,11 @@ def by_boundary(task: Task) -> Answer:
 
 def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: float) -> bool:
     """Fill one row by cracks up to a length, mm; whether longer ones may have a value."""
+    least = IN_TOLERANCES * task.scene.part.tolerance
+    if longest < least and longest >= 0.999 * IN_LIGAMENT * task.paths.ligament[i]:
+        thin = f"a ligament of {task.paths.ligament[i]:.3g} mm is too thin, at least {least / IN_LIGAMENT:.3g} mm"
+        answer.status[i] = Status.NO_TRIAL.of(thin)
+        return False
     a = path_points(np.array([longest]))
     points = task.paths.start[i] + a[0, :, None] * task.paths.direction[i]
     sigma, sigma_error = _principal(field, points, singular=not task.smooth[i])

@@ -3,8 +3,8 @@
 In order of their cost: the strength alone, where any critical crack is so short that the stress hardly falls along
 it; a crack cell on voxels; the asymptotics of corners and crack tips; dislocations in a body-fitted model of the part;
 a model with a slit for the position. Without a mesher trial cracks by boundary integrals stand for the last three. Each
-method is asked only at the positions that those before could not
-settle, and the result says what was used where, and why.
+method is asked only at the positions that those before could not settle, and the result says what was used where, and
+why.
 
 The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
 of indices below a quarter of the largest it is the tolerance of that quarter. Where nothing is under tension, and all

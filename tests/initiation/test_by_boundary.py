@@ -55,3 +55,10 @@ def test_auto_without_a_mesher_has_values_where_cells_have_none(monkeypatch):
     assert (result.status == "ok").all()
     assert result.used_method.values[0] == "boundary"
     assert np.isfinite(result.failure_index).all()
+
+
+def test_a_ligament_too_thin_for_trial_cracks_says_so():
+    scene = gallery.two_holes(0.005)
+    at = 50.0 - 0.0025
+    result = failure_indices(scene.with_(analysis={"points": [[at, 50.0]]}), "boundary").isel(position=0)
+    assert str(result.status.values).startswith("no trial cracks: a ligament of 0.005 mm is too thin")
