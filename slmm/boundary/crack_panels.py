@@ -114,10 +114,22 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
         Points on each panel.
     at_mouth : float
         The last panel before a mouth, over the length of the crack.
+
+    Raises
+    ------
+    ValueError
+        When a crack, or a segment of one, beside others is so short that its ends are one place of the part.
     """
     found: list[tuple[complex, complex, int]] = []
     number = 0
     lines = [line[:, 0] + 1j * line[:, 1] for line in part.crack_lines]
+    for crack, z in zip(part.cracks, lines, strict=True):
+        if (np.diff(z) == 0).any():
+            length = np.linalg.norm(np.diff(crack.points, axis=0), axis=1).min()
+            raise ValueError(
+                f"crack {crack.points.tolist()}: a segment of {length:.3g} mm is one place; it must be longer than "
+                f"{part.tolerance:.3g} mm, below which lengths of the part count as zero"
+            )
     times = Counter(point for z in lines for point in z.tolist())
     near = _Near.of(around, lines)
     for c, (crack, z) in enumerate(zip(part.cracks, lines, strict=True)):

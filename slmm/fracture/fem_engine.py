@@ -25,6 +25,7 @@ from slmm.fracture.surface_peaks import Sampled, Site, at_corners, at_peaks
 from slmm.fracture.tips import CrackTip
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
+from slmm.part.outline import Outline
 from slmm.part.part import Part
 from slmm.scene.loading import Loading
 
@@ -198,6 +199,7 @@ class FemEngine:
         self.material, self.loading = material, loading
         self.fineness = next(fineness for error, fineness in FINENESS if tolerance >= error)
         self._curves: list[Ring] = []
+        self._holes: tuple[Outline, ...] = ()
 
     @property
     def described(self) -> dict[str, object]:
@@ -214,5 +216,6 @@ class FemEngine:
         MesherError
             When the mesher fails with other sizes, too.
         """
-        self._curves = self._curves or rings(part)
+        if not self._curves or part.holes is not self._holes:
+            self._curves, self._holes = rings(part), part.holes
         return FemState(part, self.material, self.loading, self.fineness, self._curves)

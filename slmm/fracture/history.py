@@ -22,12 +22,15 @@ class Outcome(StrEnum):
     """How a simulation ended."""
 
     SEVERED = "the part is severed"
-    LOOSE = "a piece came loose that carries no load"
     LARGEST = "the largest displacement is reached"
     NO_EVENT = "no crack can grow or start"
     SHORT = "the tensile toughness asked for can no longer be reached"
     STEPS = "the largest number of steps is reached"
     FAILED = "failed"
+
+
+#: of a simulation that has come as far as was asked: what it says of U_T is all of it
+WHOLE = (Outcome.SEVERED, Outcome.LARGEST)
 
 
 class Candidate(NamedTuple):

@@ -176,4 +176,4 @@ def simulate(
     ):
         process.run(progress, opened)
     made_with = {**settings, **solver.described}
-    return fracture_result(scene, process.part, process.history, made_with, process.reached)
+    return fracture_result(scene, process, made_with)

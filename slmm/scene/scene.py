@@ -14,8 +14,9 @@ from shapely.validation import explain_validity
 
 from slmm.mechanics.material import Material
 from slmm.part.checks import crack_problems, edges_of, hole_problems, overlaps_united, position_problems
+from slmm.part.chords import chords
 from slmm.part.outline import Outline
-from slmm.part.part import OUTLINE_SAMPLES, Part
+from slmm.part.part import Part
 from slmm.running.input_file import shown
 from slmm.scene.conditions import Boundary, general_loading
 from slmm.scene.errors import SceneError, problems_of
@@ -112,7 +113,7 @@ class Scene(Table):
         if self.plate is not None:
             return Part.plate(self.plate.width, self.plate.height, holes, (), self.plate.thickness)
         assert self.part_table is not None and self._rim is not None
-        corners = self._rim.polygon(OUTLINE_SAMPLES)[::-1]
+        corners = chords(self._rim)[::-1]
         return Part(corners, holes, (), self.part_table.thickness, self._rim)
 
     @cached_property
@@ -132,7 +133,7 @@ class Scene(Table):
         if self.plate is not None:
             return shapely.box(0.0, 0.0, self.plate.width, self.plate.height)
         assert self._rim is not None
-        return shapely.Polygon(self._rim.polygon(OUTLINE_SAMPLES)[::-1])
+        return shapely.Polygon(chords(self._rim)[::-1])
 
     @property
     def box(self) -> np.ndarray:

@@ -67,3 +67,13 @@ def test_segments_of_a_straight_crack_change_nothing():
         model = BoundaryModel(part, PMMA, loading, 6, 5, grading=COARSE)
         found.append((model.stress_intensities()[0, 0], model.work))
     assert found[1] == pytest.approx(found[0], rel=1e-4)
+
+
+def test_a_crack_whose_ends_are_one_place_is_refused():
+    """Beside another crack ends nearer than the part's tolerance are joined."""
+    part = Part.plate(80.0, 80.0, cracks=[[(0.0, 20.0), (10.0, 20.0)]])
+    short = part.with_short_crack(np.array([0.0, 60.0]), np.array([0.5 * part.tolerance, 60.0]))
+    with pytest.raises(
+        ValueError, match=r"a segment of 0.0004 mm is one place; it must be longer than 0.0008"
+    ):
+        crack_panels(short, np.array([0.0 + 0.0j]), 4, 0.2)

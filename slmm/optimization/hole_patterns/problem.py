@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slmm.fracture.history import Outcome
+from slmm.fracture.history import WHOLE, Outcome
 from slmm.fracture.simulation import simulate
 from slmm.optimization.checks import check_whole
 from slmm.optimization.hole_patterns.objectives import FIGURES, OVER, Figure
@@ -192,7 +192,7 @@ class HolePattern:
         Raises
         ------
         ValueError
-            When a simulation failed, with its reason.
+            When a simulation ended early, with its reason.
         """
         return self._of_directions(FIGURES["U_T"], design)
 
@@ -202,7 +202,7 @@ class HolePattern:
         Raises
         ------
         ValueError
-            When a simulation failed, with its reason.
+            When a simulation ended early, with its reason.
         """
         return self._of_directions(FIGURES[self.figure], design)
 
@@ -224,7 +224,7 @@ class HolePattern:
         )
         if result.attrs["outcome"] == Outcome.SHORT:
             return None
-        if result.attrs["outcome"].startswith(Outcome.FAILED):
+        if result.attrs["outcome"] not in WHOLE:
             raise ValueError(result.attrs["outcome"])
         return figure.of(result)
 
