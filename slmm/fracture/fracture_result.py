@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slmm.fracture.directions import Direction
 from slmm.fracture.equilibrium import equilibrium_path, force_control, released_in_equilibrium
 from slmm.fracture.events import COMPETING
 from slmm.fracture.history import Candidate, Excluded, History
@@ -29,7 +30,12 @@ ERROR_IS = (
 
 
 def fracture_result(
-    scene: Scene, part: Part, history: History, settings: Mapping[str, Any], reached: Sequence[Sequence[int]]
+    scene: Scene,
+    part: Part,
+    history: History,
+    direction: Direction,
+    settings: Mapping[str, Any],
+    reached: Sequence[Sequence[int]],
 ) -> xr.Dataset:
     """The result of `simulate`.
 
@@ -39,6 +45,8 @@ def fracture_result(
     part : Part
         At the end.
     history : History
+    direction : Direction
+        By which tips turned.
     settings : mapping
         How it was made.
     reached : sequence of sequence of int
@@ -82,6 +90,12 @@ def fracture_result(
             ),
             "K_I": ("step", K[:, 0], root_mm, "stress intensity of mode I at the critical load"),
             "K_II": ("step", K[:, 1], root_mm, "stress intensity of mode II at the critical load"),
+            "T": (
+                "step",
+                [s.T for s in steps],
+                "MPa",
+                "stress along the crack at the critical load, for GMTS",
+            ),
             "released": ("step", history.released, "mJ", "stored energy set free by the step"),
             "dissipated": ("step", dissipated, "mJ", "G_c times the new crack's area"),
             "excess": (
@@ -167,6 +181,8 @@ def fracture_result(
     if excluded:
         reasons = "; ".join(sorted({each.reason for _, each in excluded}))
         result.attrs["excluded_starts"] = f"critical before what happened, and not let crack: {reasons}"
+    if direction.asks_for_T:
+        result.attrs["forking_directions"] = int(np.sum([direction.forks(*s.K, s.T) for s in steps]))
     competing = int(np.sum(gap < COMPETING))
     result.attrs["competing_events"] = competing
     result["gap"].attrs["comment"] = (
