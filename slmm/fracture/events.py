@@ -50,6 +50,8 @@ class Event:
         Which outline it starts at, -1 for a straight outer edge.
     K : (float, float)
         K_I and K_II under the scene's own load, MPa sqrt(mm); NaN of a start.
+    T : float
+        Stress along the crack under the scene's own load, MPa; NaN of a start and where no criterion asks for it.
     length : float
         With which a crack starts, mm, by its criterion; 0 where that has none.
     criterion : str
@@ -65,6 +67,7 @@ class Event:
     tip: int = -1
     hole: int = -1
     K: tuple[float, float] = field(default=(math.nan, math.nan))
+    T: float = math.nan
     length: float = 0.0
     criterion: str = "griffith"
     excluded: str = ""
@@ -76,8 +79,10 @@ class Event:
         return self.hole < 0, self.hole, y, x
 
 
-def growths(tips: Sequence[Array], K: Array, material: Material, direction: Direction) -> list[Event]:
-    """Tips that grow by Griffith's criterion.
+def growths(
+    tips: Sequence[Array], K: Array, T: Array, material: Material, direction: Direction
+) -> list[Event]:
+    """Tips that grow where G of the straight crack reaches G_c, whichever criterion finds their direction.
 
     Parameters
     ----------
@@ -85,19 +90,20 @@ def growths(tips: Sequence[Array], K: Array, material: Material, direction: Dire
         The line that leads to each tip, mm, the tip last.
     K : ndarray, shape (k, 2)
         K_I and K_II, MPa sqrt(mm). Closed tips have no K_I; those without either do not grow.
+    T : ndarray, shape (k,)
+        MPa; NaN where the direction does not ask for it.
     material : Material
-    direction : callable
-        The angle by which a tip turns, from its K_I and K_II.
+    direction : Direction
     """
     found = []
-    for k, (line, (K_I, K_II)) in enumerate(zip(tips, K.tolist(), strict=True)):
+    for k, (line, (K_I, K_II), along_crack) in enumerate(zip(tips, K.tolist(), T.tolist(), strict=True)):
         if K_I == K_II == 0:
             continue
         along = (line[-1] - line[-2]) / np.linalg.norm(line[-1] - line[-2])
-        kink = direction(K_I, K_II)
+        kink = direction.angle(K_I, K_II, along_crack)
         turned = np.array([[math.cos(kink), -math.sin(kink)], [math.sin(kink), math.cos(kink)]]) @ along
         load = math.sqrt(material.G_c / energy_release_rate(K_I, K_II, material))
-        found.append(Event(load, Kind.GROWTH, line[-1], turned, tip=k, K=(K_I, K_II)))
+        found.append(Event(load, Kind.GROWTH, line[-1], turned, tip=k, K=(K_I, K_II), T=along_crack))
     return found
 
 

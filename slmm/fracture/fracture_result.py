@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slmm.fracture.directions import Direction
 from slmm.fracture.equilibrium import equilibrium_path, force_control, released_in_equilibrium
 from slmm.fracture.events import COMPETING, TIED
 from slmm.fracture.history import WHOLE, Candidate, Excluded, Step
@@ -28,7 +29,9 @@ ERROR_IS = (
 )
 
 
-def fracture_result(scene: Scene, process: Process, settings: Mapping[str, Any]) -> xr.Dataset:
+def fracture_result(
+    scene: Scene, process: Process, direction: Direction, settings: Mapping[str, Any]
+) -> xr.Dataset:
     """The result of `simulate`.
 
     Parameters
@@ -36,6 +39,8 @@ def fracture_result(scene: Scene, process: Process, settings: Mapping[str, Any])
     scene : Scene
     process : Process
         That has come to its end.
+    direction : Direction
+        By which tips turned.
     settings : mapping
         How it was made.
     """
@@ -78,6 +83,12 @@ def fracture_result(scene: Scene, process: Process, settings: Mapping[str, Any])
             ),
             "K_I": ("step", K[:, 0], root_mm, "stress intensity of mode I at the critical load"),
             "K_II": ("step", K[:, 1], root_mm, "stress intensity of mode II at the critical load"),
+            "T": (
+                "step",
+                [s.T for s in steps],
+                "MPa",
+                "stress along the crack at the critical load, for GMTS",
+            ),
             "released": ("step", history.released, "mJ", "stored energy set free by the step"),
             "dissipated": ("step", dissipated, "mJ", "G_c times the new crack's area"),
             "excess": (
@@ -180,6 +191,8 @@ def fracture_result(scene: Scene, process: Process, settings: Mapping[str, Any])
         result.attrs["excluded_starts"] = f"critical before what happened, and not let crack: {reasons}"
     if history.outcome not in WHOLE:
         result.U_T.attrs["comment"] = f"a lower bound: the simulation ended early ({history.outcome})"
+    if direction.asks_for_T:
+        result.attrs["forking_directions"] = int(np.sum([direction.forks(*s.K, s.T) for s in steps]))
     competing = int(np.sum(gap < COMPETING))
     result.attrs["competing_events"] = competing
     result["gap"].attrs["comment"] = (

@@ -131,6 +131,11 @@ class Step:
         K_I, K_II = self.event.K
         return self.event.load * K_I, self.event.load * K_II
 
+    @property
+    def T(self) -> float:
+        """Stress along the crack at the critical load, MPa; NaN of a start and where no criterion asks for it."""
+        return self.event.load * self.event.T
+
 
 @dataclass
 class History:
