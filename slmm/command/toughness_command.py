@@ -36,6 +36,7 @@ BRUTE_FORCE = "brute-force"
 ALGORITHMS = {
     "tbfsl": True,
     "bfsl": True,
+    "ils": True,
     "tabu": True,
     "ga": False,
     "fs": True,
@@ -53,8 +54,10 @@ def toughness(
     pattern: Annotated[str, typer.Option(help="full, reflected or rotated.")] = "reflected",
     grid: Annotated[int, typer.Option(min=1, max=32, help="Support points along a side.")] = 8,
     algorithm: Annotated[str, typer.Option(help=f"{', '.join(ALGORITHMS)}.")] = "tbfsl",
-    depth: Annotated[int | None, typer.Option(min=1, help="Points changed at most (tbfsl, bfsl).")] = None,
-    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl).")] = None,
+    depth: Annotated[
+        int | None, typer.Option(min=1, help="Points changed at most (tbfsl, bfsl, ils).")
+    ] = None,
+    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl, ils).")] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="Another setting of the algorithm, as limit=100."),

@@ -49,11 +49,11 @@ def margins(problem: HolePattern, whole: Values, plate: CrackedPlate | None = No
     Dataset
         Over ``direction``: ``U_T`` and ``U_T_finer`` (mJ), the latter with a tenth of the error; ``U_T_upside_down``;
         ``parted`` and over ``shift_y`` ``parted_shifted``, the first step that is another than upright and unshifted,
-        -1 where all are alike; ``gap``, the nearest tie of two events, and ``competing``, how many steps have one within
-        0.5 %; ``hinging``, see `hinging_share`. ``U_T_shifted`` over both. Over ``saddle``: ``x``, ``y``, ``value``
-        of the function through the support points. Attributes: ``margin`` of the nearest saddle, ``numerical_error``
-        (relative, the largest that upside down and finer show), ``spread`` (see `spread_of`), and whether it
-        ``forks``: whether that is above 0.5 %.
+        -1 where all are alike; ``gap``, the nearest tie of two events, and ``competing``, how many steps have one
+        within 0.5 %; ``hinging``, see `hinging_share`. ``U_T_shifted`` over both. Over ``saddle``: ``x``, ``y`` and
+        ``value`` of the function through the support points. Attributes: ``margin`` of the nearest saddle,
+        ``numerical_error`` (relative, the largest that upside down and finer show), ``spread`` (see `spread_of`), and
+        whether it ``forks``: whether that is above 0.5 %.
 
     Raises
     ------

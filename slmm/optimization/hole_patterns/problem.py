@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from slmm.fracture.first_cracks import INITIATIONS
 from slmm.fracture.history import Outcome
-from slmm.fracture.simulation import simulate
+from slmm.fracture.simulation import ENGINES, simulate
 from slmm.optimization.checks import check_whole
 from slmm.optimization.hole_patterns.margins import margins
 from slmm.optimization.hole_patterns.objectives import FIGURES, LARGEST, OVER, Figure
@@ -96,7 +97,15 @@ class HolePattern:
 
     def __post_init__(self) -> None:
         check_whole("grid", self.grid, 1)
-        for name, known in (("pattern", DIRECTIONS), ("sides", SIDES), ("figure", FIGURES), ("over", OVER)):
+        choices = {
+            "pattern": DIRECTIONS,
+            "initiation": INITIATIONS,
+            "engine": ENGINES,
+            "sides": SIDES,
+            "figure": FIGURES,
+            "over": OVER,
+        }
+        for name, known in choices.items():
             if getattr(self, name) not in known:
                 raise ValueError(f"{name} = {getattr(self, name)!r}: must be one of {', '.join(known)}")
         if not 0 < self.heaviest <= 1:
