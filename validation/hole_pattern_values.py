@@ -5,24 +5,25 @@ pattern leaves different: no early termination. Every value is appended to a jou
 that was stopped goes on. A design without a value has its reason in place of it. Spaces that are complete go to
 validation/results/hole_pattern_values.nc, which `slmm.optimization.hole_patterns.listed.ListedPattern` reads.
 
-``--spaces rotated-3 full-3`` does these alone.
+``--spaces rotated-3 full-3`` does these alone, ``--workers 2`` on so many processes.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from checks import RESULTS
+from hole_pattern_spaces import JOURNALS, VALUES
 
 from slmm import __version__
 from slmm.optimization import HolePattern
+from slmm.optimization.hole_patterns.patterns import Design
+from slmm.running.processes import processes
 
-FILE = RESULTS / "hole_pattern_values.nc"
-JOURNALS = Path(__file__).parent / "journals"
 #: in the order of their cost
 SPACES = (
     "rotated-3",
@@ -33,6 +34,8 @@ SPACES = (
     "full-3",
     "rotated-6",
     "reflected-5",
+    "reflected-6",
+    "rotated-7",
 )
 Values = dict[str, float | str]
 
@@ -60,26 +63,32 @@ def known(journal: Path) -> Values:
     return values
 
 
-def enumerated(space: str) -> Values:
+def value_of(problem: HolePattern, design: Design) -> float | str:
+    """U_T, mJ, of a design, or why it has none."""
+    try:
+        return -problem.evaluate(design, np.inf).value  # type: ignore[union-attr]
+    except (ValueError, ArithmeticError, RuntimeError) as error:
+        return str(error)
+
+
+def enumerated(space: str, workers: int) -> Values:
     """U_T, mJ, or why there is none, of every class."""
     pattern, grid = space.split("-")
     problem = HolePattern(int(grid), pattern)
     journal = JOURNALS / f"values_{space}.jsonl"
     values, designs = known(journal), classes(problem)
-    with open(journal, "a") as lines:
+    missing = {name: design for name, design in designs.items() if name not in values}
+    print(f"{space}: {len(designs)} classes, {len(missing)} to be simulated", flush=True)
+    with open(journal, "a") as lines, processes(workers) as pool:
         lines.write("\n")  # behind a line that was cut
-        for name, design in designs.items():
-            if name in values:
-                continue
-            try:
-                values[name] = -problem.evaluate(design, np.inf).value  # type: ignore[union-attr]
-            except (ValueError, ArithmeticError, RuntimeError) as error:
-                values[name] = str(error)
-            lines.write(json.dumps({name: values[name]}) + "\n")
+        answers = pool.map(partial(value_of, problem), missing.values())
+        for name, answer in zip(missing, answers, strict=True):
+            values[name] = answer
+            lines.write(json.dumps({name: answer}) + "\n")
             lines.flush()
     best = max(value for value in values.values() if isinstance(value, float))
     failed = sum(isinstance(value, str) for value in values.values())
-    print(f"{space}: {len(values)} classes, {failed} failed, best {best:.4f} mJ", flush=True)
+    print(f"{space}: {failed} failed, best {best:.4f} mJ", flush=True)
     return values
 
 
@@ -117,15 +126,15 @@ def dataset(spaces: dict[str, Values]) -> xr.Dataset:
 def write(spaces: dict[str, Values]) -> None:
     """Add spaces to the file, in place of what it has of them."""
     found = dataset(spaces)
-    if FILE.exists():
-        before = xr.load_dataset(FILE)
+    if VALUES.exists():
+        before = xr.load_dataset(VALUES)
         names = [
             f"{pattern}-{grid}"
             for pattern, grid in zip(before.pattern.values, before.grid.values, strict=True)
         ]
         others = before.isel(design=[k for k, name in enumerate(names) if name not in spaces])
         found = xr.concat([others, found], dim="design", combine_attrs="override")
-    found.to_netcdf(FILE, engine="netcdf4")
+    found.to_netcdf(VALUES, engine="netcdf4")
 
 
 if __name__ == "__main__":
@@ -133,6 +142,8 @@ if __name__ == "__main__":
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--spaces", nargs="+", default=SPACES, choices=SPACES, help="which")
+    parser.add_argument("--workers", type=int, default=1, help="processes")
+    given = parser.parse_args()
     JOURNALS.mkdir(exist_ok=True)
-    for chosen in parser.parse_args().spaces:
-        write({chosen: enumerated(chosen)})
+    for chosen in given.spaces:
+        write({chosen: enumerated(chosen, given.workers)})

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 optimize = typer.Typer(no_args_is_help=True, help="Look for the best design on a grid of cells.")
 
 BRUTE_FORCE = "brute-force"
-ALGORITHMS = ("tbfsl", "bfsl", "ga", "sa", "fs", "rs", "bf", "mg", "tabu", BRUTE_FORCE)
+ALGORITHMS = ("tbfsl", "bfsl", "ga", "sa", "fs", "rs", "bf", "mg", "tabu", "ils", BRUTE_FORCE)
 #: runs in the table
 LISTED = 10
 
@@ -49,8 +49,10 @@ def cantilever(
         str, typer.Option(metavar="COLUMNSxROWS", help="Cells along and over the height.")
     ] = "8x5",
     algorithm: Annotated[str, typer.Option(help=f"{', '.join(ALGORITHMS)}.")] = "tbfsl",
-    depth: Annotated[int | None, typer.Option(min=1, help="Cells flipped at most (tbfsl, bfsl).")] = None,
-    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl).")] = None,
+    depth: Annotated[
+        int | None, typer.Option(min=1, help="Cells flipped at most (tbfsl, bfsl, ils).")
+    ] = None,
+    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl, ils).")] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(

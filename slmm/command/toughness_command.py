@@ -12,27 +12,31 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from slmm.command.optimize_command import print_design, rows_of, settings_of
+from slmm.command.optimize_command import settings_of
 from slmm.command.terminal import (
     PICTURE_FORMATS,
     RESULT_FORMATS,
+    check_no_input,
     check_target,
-    console,
     progress_bar,
     refusals,
     word_on_compilation,
 )
+from slmm.command.toughness_report import draw, record, show
+from slmm.running.input_file import shown
 from slmm.running.whole_file import whole_file
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
+
+    from slmm.optimization.hole_patterns.plate import CrackedPlate
 
 BRUTE_FORCE = "brute-force"
 #: their names, and whether they start from one design
 ALGORITHMS = {
     "tbfsl": True,
     "bfsl": True,
+    "ils": True,
     "tabu": True,
     "ga": False,
     "fs": True,
@@ -50,8 +54,10 @@ def toughness(
     pattern: Annotated[str, typer.Option(help="full, reflected or rotated.")] = "reflected",
     grid: Annotated[int, typer.Option(min=1, max=32, help="Support points along a side.")] = 8,
     algorithm: Annotated[str, typer.Option(help=f"{', '.join(ALGORITHMS)}.")] = "tbfsl",
-    depth: Annotated[int | None, typer.Option(min=1, help="Points changed at most (tbfsl, bfsl).")] = None,
-    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl).")] = None,
+    depth: Annotated[
+        int | None, typer.Option(min=1, help="Points changed at most (tbfsl, bfsl, ils).")
+    ] = None,
+    radius: Annotated[int | None, typer.Option(min=0, help="How far they may be apart (tbfsl, ils).")] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="Another setting of the algorithm, as limit=100."),
@@ -66,7 +72,19 @@ def toughness(
         float,
         typer.Option(help="What the plate may weigh, over one without holes; below 1 with --start random."),
     ] = 1.0,
+    plate: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="SCENE.toml",
+            help="The plate, its crack and material; frame, length scale and threshold of a pattern in it.",
+        ),
+    ] = None,
     increment: Annotated[float, typer.Option(metavar="MM", help="By which cracks grow in a step.")] = 2.0,
+    first_length: Annotated[float, typer.Option(metavar="MM", help="Length of a crack that starts.")] = 1.0,
+    initiation: Annotated[
+        str, typer.Option(help="What starts cracks at surfaces: point, slmm+ac or coupled.")
+    ] = "point",
+    engine: Annotated[str, typer.Option(help="What solves the plate: boundary or fem.")] = "boundary",
     seed: Annotated[
         int, typer.Option(min=0, help="Of the random numbers: the same seed, the same result.")
     ] = 0,
@@ -83,6 +101,20 @@ def toughness(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on where a killed search was: needs --journal.")
     ] = False,
+    margins: Annotated[
+        bool,
+        typer.Option(
+            "--margins", help="Tell the best design's numerical error, its forks, its tail and saddles."
+        ),
+    ] = False,
+    refine: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Vary support values and spacing of the best design, in N evaluations at most.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Write everything as netCDF.")
     ] = None,
@@ -104,15 +136,29 @@ def toughness(
             raise ValueError("--resume: needs --journal")
         if scheduler is not None and workers > 1:
             raise ValueError(f"--workers {workers}: the cluster at {scheduler} has its own")
+        refined_journal = None if journal is None else journal.with_suffix(".refined.jsonl")
+        check_no_input(
+            [plate], {"-o": output, "--plot": plot, "--journal": journal, "the refinement's": refined_journal}
+        )
         its = settings_of(depth, radius, settings or [])
         if algorithm == "tbfsl":
             its = PUBLISHED | its
         with progress_bar() as progress, word_on_compilation(), cluster(scheduler) as client:
-            from slmm.optimization.hole_patterns.problem import HolePattern
+            from slmm.optimization.hole_patterns.problem import PAPER, HolePattern
             from slmm.optimization.search import search
 
             problem = HolePattern(
-                grid, pattern, increment, sides=sides, figure=figure, over=over, heaviest=heaviest
+                grid,
+                pattern,
+                increment,
+                first_length,
+                initiation,
+                engine,
+                PAPER if plate is None else _read_plate(plate),
+                sides=sides,
+                figure=figure,
+                over=over,
+                heaviest=heaviest,
             )
             units = problem.objective["units"]
             found = search(
@@ -127,23 +173,55 @@ def toughness(
                 progress=lambda count, best: progress(
                     1 - 0.995**count, f"{count} designs, best {-best:.4g} {units}"
                 ),
-                improved=None if plot is None else lambda design, _: _plot(problem, design, plot),
+                improved=None if plot is None else lambda design, _: draw(problem, design, plot),
                 **its,
             )
             result = found.to_dataset()
             each = problem.by_direction(found.best_design)
             described = {"units": units, "long_name": f"{figure} of the best design by directions"}
             result["by_direction"] = ("direction", each, described)
-            result.attrs["margin"] = problem.level_set(problem.whole(found.best_design)).margin()
+            whole = problem.whole(found.best_design)
+            result.attrs["margin"] = problem.level_set(whole).margin()
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
+            told = problem.margins(found.best_design) if margins else None
+            refined = None
+            if refine is not None:
+                from slmm.optimization.hole_patterns.refinement import refine as refined_from
+
+                refined = refined_from(
+                    problem,
+                    found.best_design,
+                    refine,
+                    journal=refined_journal,
+                    resume=resume,
+                    progress=progress,
+                )
             if output is not None:
                 with whole_file(output) as unfinished:
-                    result.to_netcdf(unfinished, engine="netcdf4")
-        whole = problem.whole(found.best_design)
+                    _write({"/": result, "margins": told, "refined": refined}, unfinished)
         if as_json:
-            print(json.dumps(_record(result, whole), indent=2))
+            print(json.dumps(record(result, whole, told, refined), indent=2))
         else:
-            _print(result, whole)
+            show(result, whole, told, refined)
+
+
+def _read_plate(path: Path) -> CrackedPlate:
+    """The plate of a scene file."""
+    from slmm.optimization.hole_patterns.plate import CrackedPlate
+    from slmm.scene.scene import read_scene
+
+    scene = read_scene(path)
+    try:
+        return CrackedPlate.of_scene(scene)
+    except ValueError as error:
+        raise ValueError(f"--plate {shown(path)}: {error}") from error
+
+
+def _write(groups: dict[str, xr.Dataset | None], path: Path) -> None:
+    """The search as the file itself, what was asked for besides as groups in it."""
+    for name, dataset in groups.items():
+        if dataset is not None:
+            dataset.to_netcdf(path, "w" if name == "/" else "a", group=name, engine="netcdf4")
 
 
 @contextmanager
@@ -170,46 +248,3 @@ def cluster(scheduler: str | None) -> Iterator[Any]:
         raise ValueError(f"--scheduler {scheduler}: no Dask cluster answers there") from error
     with client:
         yield client
-
-
-def _plot(problem: Any, design: np.ndarray, target: Path) -> None:
-    """The weakest direction of a design: its cracks and F(u)."""
-    from slmm.fracture.simulation import simulate
-    from slmm.pictures.figure_file import write_figure
-    from slmm.pictures.fracture import plot_fracture
-
-    scene = problem.scene(design, int(problem.by_direction(design).argmin()))
-    result = simulate(scene, problem.increment, first_length=problem.first_length)
-    write_figure(plot_fracture(scene, result), target)
-
-
-def _record(result: xr.Dataset, whole: Any) -> dict[str, Any]:
-    """What JSON shows."""
-    return {
-        "algorithm": result.attrs["algorithm"],
-        "settings": json.loads(result.attrs["settings"]),
-        "by_direction": result.by_direction.values.tolist(),
-        "simulations": int(result.simulations),
-        "failed": int(result.failed),
-        "stopped": result.attrs["stopped"],
-        "margin": result.attrs["margin"],
-        "best_design": rows_of(whole),
-    }
-
-
-def _print(result: xr.Dataset, whole: Any) -> None:
-    """The best design and how tough it is."""
-    out = console()
-    each = ", ".join(f"{value:.4g}" for value in result.by_direction.values)
-    units = result.by_direction.attrs["units"]
-    out.print(
-        f"{result.attrs['algorithm']}: the best of {int(result.simulations)} designs asked for has {each} {units} by "
-        f"directions ({int(result.failed)} failed; {result.attrs['stopped']}):",
-        soft_wrap=True,
-    )
-    print_design(whole)
-    if result.attrs["margin"] < 0.05:
-        out.print(
-            f"Its holes all but meet: a saddle of the level set is {result.attrs['margin']:.2g} from the threshold.",
-            soft_wrap=True,
-        )

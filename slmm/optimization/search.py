@@ -1,4 +1,4 @@
-"""A search for the best design of a problem, by any of the algorithms of Paper C, or by tabu search."""
+"""A search for the best design of a problem, by the algorithms of Paper C, by tabu or by iterated local search."""
 
 from __future__ import annotations
 
@@ -156,8 +156,8 @@ def search(
     algorithm : str
         ``tbfsl`` (settings ``depth``, ``radius``), ``bfsl`` (``depth``), ``fs``, ``ga`` (``population``,
         ``recombinations``, ``mutation``, ``patience``), ``sa`` (``temperature``, ``cooling``, ``iterations``), ``rs``
-        (``limit``), ``bf``, or ``mg`` (``stages``), see Paper C; or ``tabu`` (``steps``, ``tenure``, ``focus``,
-        ``focused_tenure``, ``patience``).
+        (``limit``), ``bf``, or ``mg`` (``stages``), see Paper C; ``tabu`` (``steps``, ``tenure``, ``focus``,
+        ``focused_tenure``, ``patience``); or ``ils``, several descents (``starts``, ``depth``, ``radius``, ``kick``).
     seed : int
         Of all random numbers.
     start : array_like of bool (rows, columns), optional

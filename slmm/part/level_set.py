@@ -164,8 +164,23 @@ class LevelSet:
 
         Infinite where there is no saddle.
         """
+        _, values = self.saddles()
+        return float(np.abs(values - self.threshold).min(initial=np.inf))
+
+    def saddles(self) -> tuple[Array, Array]:
+        """Saddles of the function: places (k, 2), mm, and values (k,), the nearest to the threshold first.
+
+        Where a saddle lies above the threshold two holes are one, where it lies below there is a ligament.
+
+        Examples
+        --------
+        >>> diagonal = LevelSet(np.array([[1.0, 0.0], [0.0, 1.0]]), (40.0, 40.0), 16.0)
+        >>> places, values = diagonal.saddles()
+        >>> places[0].round(6).tolist(), round(float(values[0]), 3), len(diagonal.outlines())
+        ([40.0, 40.0], 0.744, 1)
+        """
         if not self.values.any():
-            return float("inf")
+            return np.empty((0, 2)), np.empty(0)
         half = np.arange(2 * len(self.axis) - 1) / 2 + self.axis[0]
         start = np.stack(np.meshgrid(half, half), axis=-1).reshape(-1, 2)
         at = start.copy()
@@ -184,5 +199,10 @@ class LevelSet:
         is_saddle = (
             (xx * yy < xy**2) & (np.abs(slope).max(axis=1) < 1e-9) & (np.abs(at - start).max(axis=1) < NEAR)
         )
-        off = np.abs(self._derivative(at[is_saddle], 0, 0) - self.threshold)
-        return float(off.min(initial=np.inf))
+        is_saddle &= np.abs(at).max(axis=1) <= self.axis[-1] + 1e-6  # where holes are traced
+        # several starts end at one saddle
+        _, once = np.unique(at[is_saddle].round(6), axis=0, return_index=True)
+        at = at[is_saddle][once]
+        values = self._derivative(at, 0, 0)
+        order = np.argsort(np.abs(values - self.threshold), kind="stable")
+        return self.centre + self.spacing * at[order], values[order]

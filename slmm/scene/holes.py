@@ -210,11 +210,13 @@ class PatternHole(Table):
 
     ``values`` has the grid's rows, the first one at the top, 1 (or any number) for a hole and 0 for material. The grid
     fills the plate but for a ``frame``, mm, at its edges; ``length_scale`` is that of the Gaussian kernel over half the
-    spacing, and there is a hole where the function exceeds the ``threshold``.
+    spacing, and there is a hole where the function exceeds the ``threshold``. The grid's middle is the plate's, or a
+    ``center`` of its own.
     """
 
     shape: Literal["pattern"]
     values: Annotated[tuple[tuple[Number, ...], ...], BeforeValidator(as_lists), Field(min_length=1)]
+    center: PlanePoint | None = None
     frame: Radius = 15.0
     length_scale: Annotated[Number, Field(gt=0, le=4)] = 2.5
     threshold: Annotated[Number, Field(gt=0, lt=1)] = 0.5
@@ -237,7 +239,7 @@ class PatternHole(Table):
             raise ValueError(f"a plate of {width:g} x {height:g} mm: a pattern needs a square one")
         if not 2 * self.frame < width:
             raise ValueError(f"frame = {self.frame:g}: must leave room in a plate of {width:g} mm")
-        x, y = box.mean(axis=0).tolist()
+        x, y = self.center or box.mean(axis=0).tolist()
         spacing = (width - 2 * self.frame) / len(self.values)
         level_set = LevelSet(np.array(self.values), (x, y), spacing, self.length_scale, self.threshold)
         return level_set.outlines()

@@ -26,6 +26,7 @@ ALL = {
     "rs": {"limit": 2.5},
     "bf": {},
     "tabu": {"steps": 60},
+    "ils": {"starts": 4, "kick": 2},
 }
 
 

@@ -73,7 +73,7 @@ def test_the_command_line_has_all_of_them():
     assert set(ON_THE_COMMAND_LINE) == {*ON_ONE_GRID, "mg", BRUTE_FORCE}
 
 
-@pytest.mark.parametrize("algorithm", ["tbfsl", "bfsl", "fs", "sa", "rs", "bf", "tabu"])
+@pytest.mark.parametrize("algorithm", ["tbfsl", "bfsl", "fs", "sa", "rs", "bf", "tabu", "ils"])
 def test_no_more_is_needed_than_an_algorithm_uses(algorithm):
     settings = {"rs": {"limit": 2}, "sa": {"temperature": 1e-3, "iterations": 500}}.get(algorithm, {})
     for problem in (Least(), LeastOneByOne()):

@@ -136,7 +136,7 @@ def test_several_grids_stopped_on_the_way_say_which_one_they_have_reached():
     assert found.problem == repr(Cantilever(4, 3))
 
 
-@pytest.mark.parametrize("algorithm", ["tbfsl", "ga", "sa", "tabu"])
+@pytest.mark.parametrize("algorithm", ["tbfsl", "ga", "sa", "tabu", "ils"])
 def test_what_is_not_finite_has_failed(algorithm):
     problem = Returns(
         lambda values: np.where(values == 3, -np.inf, np.where(values == 4, np.inf, values)).tolist()
@@ -145,7 +145,7 @@ def test_what_is_not_finite_has_failed(algorithm):
     assert np.isfinite(found.value) and found.failed > 0
 
 
-@pytest.mark.parametrize("algorithm", ["tbfsl", "bfsl", "fs", "ga", "sa", "tabu", "bf"])
+@pytest.mark.parametrize("algorithm", ["tbfsl", "bfsl", "fs", "ga", "sa", "tabu", "ils", "bf"])
 @pytest.mark.parametrize("grid", [(1, 1), (1, 4), (6, 1)])
 def test_where_nothing_can_change_the_only_design_is_the_best(algorithm, grid):
     beam = Cantilever(*grid)

@@ -6,7 +6,7 @@ and so on up to the depth. As soon as one is better, it is the best one, and all
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,6 +77,17 @@ def descent(
     levels : int
         A level is tried when none before has a better neighbour.
     """
+    yield from descended(problem, best, neighbourhood, levels)
+    return "no better neighbour"
+
+
+def descended(
+    problem: Problem,
+    best: np.ndarray,
+    neighbourhood: Callable[[np.ndarray, int], np.ndarray],
+    levels: int = 1,
+) -> Generator[Ask, np.ndarray, tuple[np.ndarray, float]]:
+    """Where a `descent` ends, and its value; infinity where that has none."""
     (value,) = yield Ask(problem, best[None])
     # any value is better than none
     value = np.inf if np.isnan(value) else value
@@ -88,7 +99,7 @@ def descent(
             best, value, level = neighbours[len(values) - 1 : len(values)][0], values[-1], 0
         else:
             level += 1
-    return "no better neighbour"
+    return best, float(value)
 
 
 def flips_within(free: np.ndarray, flipped: int, radius: int) -> np.ndarray:

@@ -17,6 +17,7 @@ from slmm.optimization.algorithms.annealing import sa
 from slmm.optimization.algorithms.breadth_first import bfsl, tbfsl
 from slmm.optimization.algorithms.free_shape import fs
 from slmm.optimization.algorithms.genetic import ga
+from slmm.optimization.algorithms.restarts import ils
 from slmm.optimization.algorithms.sampling import bf, rs
 from slmm.optimization.algorithms.tabu import tabu
 from slmm.optimization.ask import Asking
@@ -29,6 +30,7 @@ ON_ONE_GRID: dict[str, Algorithm] = {
     "bfsl": bfsl,
     "fs": fs,
     "ga": ga,
+    "ils": ils,
     "rs": rs,
     "sa": sa,
     "tabu": tabu,

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from slmm.optimization.ask import Ask, Asking
 from slmm.optimization.checks import check_between
-from slmm.optimization.problem import Problem, random_cells
+from slmm.optimization.problem import Problem, random_cells, start_design
 
 #: free cells of which all designs are tried
 MOST = 20
@@ -16,9 +16,10 @@ BATCH = 1024
 
 
 def bf(problem: Problem, start: ArrayLike | None, rng: np.random.Generator) -> Asking:
-    """Brute force: every valid design."""
-    if start is not None:
-        raise ValueError("start: all designs are tried, there is none to start from")
+    """Brute force: every valid design; one to start from comes first, and the others need only be known to be better.
+
+    A good start spares expensive problems work: most designs are given up early.
+    """
     free = ~problem.fixed
     count = int(free.sum())
     if count > MOST:
@@ -26,6 +27,9 @@ def bf(problem: Problem, start: ArrayLike | None, rng: np.random.Generator) -> A
             f"{count} free cells: no more than {MOST} are tried; brute-force knows all designs of larger cantilevers"
         )
     best, first, batch = np.inf, 0, 1
+    if start is not None:
+        values = yield Ask(problem, start_design(problem, start, rng)[None])
+        best = np.fmin.reduce(values, initial=best)
     while first < 1 << count:
         codes = np.arange(first, min(first + batch, 1 << count))
         designs = np.repeat(problem.start[None], len(codes), axis=0)

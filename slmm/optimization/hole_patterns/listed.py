@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from slmm.optimization.hole_patterns.patterns import Design
 from slmm.optimization.hole_patterns.problem import HolePattern
 from slmm.optimization.problem import Bound, Value
 from slmm.running.input_file import shown
@@ -64,3 +65,25 @@ class ListedPattern(HolePattern):
     def rank(self, value: float) -> int:
         """How many classes of equal designs are as good or better, with itself."""
         return 1 + int(np.sum(np.array(list(self.values.values())) < value))
+
+    def ranked(self) -> list[tuple[Design, float]]:
+        """A whole grid of each class of equal designs, and its U_T, mJ, the toughest first; none without a value.
+
+        Examples
+        --------
+        >>> key = HolePattern(2, "full").key
+        >>> corner = np.array([[True, False], [False, False]])
+        >>> listed = ListedPattern(2, "full", values={key(0 * corner): -107.0, key(corner): -200.0})
+        >>> listed.ranked()[0]
+        (array([[False, False],
+               [False,  True]]), 200.0)
+        """
+        size = self.grid**2
+        known = [(key, -value) for key, value in self.values.items() if np.isfinite(value)]
+        return [
+            (
+                np.unpackbits(np.frombuffer(key, np.uint8))[:size].astype(bool).reshape(self.grid, self.grid),
+                U_T,
+            )
+            for key, U_T in sorted(known, key=lambda item: -item[1])
+        ]

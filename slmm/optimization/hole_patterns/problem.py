@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from slmm.fracture.first_cracks import INITIATIONS
 from slmm.fracture.history import WHOLE, Outcome
-from slmm.fracture.simulation import simulate
+from slmm.fracture.simulation import ENGINES, simulate
 from slmm.optimization.checks import check_whole
-from slmm.optimization.hole_patterns.objectives import FIGURES, OVER, Figure
+from slmm.optimization.hole_patterns.margins import margins
+from slmm.optimization.hole_patterns.objectives import FIGURES, LARGEST, OVER, Figure
 from slmm.optimization.hole_patterns.patterns import (
     DIRECTIONS,
     SIDES,
@@ -28,8 +31,13 @@ from slmm.optimization.problem import Bound, Value
 from slmm.part.level_set import IslandError, LevelSet
 from slmm.scene.scene import Scene
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 #: increment, and first length of a crack that starts, mm; published
 INCREMENT, FIRST_LENGTH = 2.0, 1.0
+#: of a simulation, relative: what those of a search aim at, that of `slmm.fracture.simulate`
+TOLERANCE = 0.01
 PAPER = CrackedPlate()
 
 
@@ -89,7 +97,15 @@ class HolePattern:
 
     def __post_init__(self) -> None:
         check_whole("grid", self.grid, 1)
-        for name, known in (("pattern", DIRECTIONS), ("sides", SIDES), ("figure", FIGURES), ("over", OVER)):
+        choices = {
+            "pattern": DIRECTIONS,
+            "initiation": INITIATIONS,
+            "engine": ENGINES,
+            "sides": SIDES,
+            "figure": FIGURES,
+            "over": OVER,
+        }
+        for name, known in choices.items():
             if getattr(self, name) not in known:
                 raise ValueError(f"{name} = {getattr(self, name)!r}: must be one of {', '.join(known)}")
         if not 0 < self.heaviest <= 1:
@@ -206,26 +222,64 @@ class HolePattern:
         """
         return self._of_directions(FIGURES[self.figure], design)
 
+    def fracture(
+        self,
+        scene: Scene,
+        largest: float = LARGEST,
+        at_least: float = 0.0,
+        tolerance: float = TOLERANCE,
+        errors: bool = False,
+    ) -> xr.Dataset:
+        """A plate's fracture as designs are simulated, see `slmm.fracture.simulate`.
+
+        Parameters
+        ----------
+        scene : Scene
+            As `scene` makes it.
+        largest : float
+            Displacement at which it ends, mm.
+        at_least, tolerance, errors
+            As those of `slmm.fracture.simulate`.
+
+        Raises
+        ------
+        ValueError
+            When it fails, with the reason.
+        """
+        result = simulate(
+            scene,
+            self.increment,
+            self.initiation,
+            self.engine,
+            tolerance,
+            first_length=self.first_length,
+            largest_displacement=largest,
+            at_least=at_least,
+            errors=errors,
+        )
+        if result.attrs["outcome"] not in (*WHOLE, Outcome.SHORT):
+            raise ValueError(result.attrs["outcome"])
+        return result
+
+    def margins(self, design: ArrayLike) -> xr.Dataset:
+        """How far a design is from other events and other holes, see `slmm.optimization.hole_patterns.margins`.
+
+        Raises
+        ------
+        ValueError
+            When a simulation failed, with its reason.
+        """
+        return margins(self, self.whole(design))
+
     def _of_directions(self, figure: Figure, design: ArrayLike) -> np.ndarray:
         whole = self.whole(design)
         return np.array([self._simulated(figure, np.rot90(whole, k)) for k in range(self.directions)])
 
     def _simulated(self, figure: Figure, whole: Design, at_least: float = 0.0) -> float | None:
         """A figure of one direction; None where the tensile toughness that is asked for, mJ, is not reached."""
-        result = simulate(
-            self.plate.scene(whole),
-            self.increment,
-            self.initiation,
-            self.engine,
-            first_length=self.first_length,
-            largest_displacement=figure.largest,
-            at_least=at_least,
-            errors=False,
-        )
+        result = self.fracture(self.plate.scene(whole), figure.largest, at_least)
         if result.attrs["outcome"] == Outcome.SHORT:
             return None
-        if result.attrs["outcome"] not in WHOLE:
-            raise ValueError(result.attrs["outcome"])
         return figure.of(result)
 
     def evaluate(self, design: np.ndarray, below: float) -> Value | Bound:

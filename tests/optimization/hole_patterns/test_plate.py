@@ -46,3 +46,33 @@ def test_all_of_it_reaches_the_scene():
 def test_lengths_that_do_not_fit_are_refused(lengths, words):
     with pytest.raises(ValueError, match=words):
         CrackedPlate(**lengths)
+
+
+def test_a_plate_is_read_from_its_scene():
+    glass = Material(70000.0, 0.2, 50.0, 0.01, "plane strain")
+    plate = CrackedPlate(100.0, 12.0, 20.0, 2.0, 0.6, glass)
+    read = CrackedPlate.of_scene(plate.scene(CROSS))
+    assert (read.side, read.crack, read.frame) == (100.0, 12.0, 20.0)
+    assert (read.length_scale, read.threshold) == (2.0, 0.6)
+    assert (read.material.E, read.material.G_c, read.material.state) == (70000.0, 0.01, "plane strain")
+    # without a pattern these are the published ones
+    bare = CrackedPlate.of_scene(plate.scene(np.zeros((3, 3))))
+    assert (bare.frame, bare.length_scale, bare.threshold) == (15.0, 2.5, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"plate": {"thickness": 2.0}}, "plate: must be there, as wide as high, and 1 mm thick"),
+        ({"load": {"displacement": None, "stress": 1.0}}, "load: must be a displacement"),
+        ({"cracks": [{"points": [[0.0, 30.0], [10.0, 30.0]]}]}, "cracks: must be one, straight from"),
+        (
+            {"holes": [{"shape": "circle", "center": [40.0, 40.0], "radius": 5.0}]},
+            "holes: must be none but one of the shape pattern",
+        ),
+    ],
+)
+def test_other_scenes_are_no_plates_of_patterns(change, words):
+    scene = CrackedPlate().scene(CROSS).with_(**change)
+    with pytest.raises(ValueError, match=words):
+        CrackedPlate.of_scene(scene)
