@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     from slmm.mechanics.material import Material, State
     from slmm.scene.scene import Scene
 
+#: files that are results, whatever options say; others are when a material is given
+RESULTS = (".frd", ".vtu", ".pvtu", ".pvd", ".vtk", ".xdmf", ".med", ".msh", ".e", ".exo")
+
 
 class ResultFlags(NamedTuple):
     """The options that belong to results."""
@@ -31,9 +34,10 @@ def scene_of(path: Path, flags: ResultFlags, displacements: Path | None) -> Scen
     OSError, ValueError
         When it cannot be read, or options do not belong to it.
     """
-    if path.suffix.lower() == ".toml":
+    asked = flags.material is not None or flags.strength is not None
+    if path.suffix.lower() == ".toml" or not (asked or path.suffix.lower() in RESULTS):
         for name, value in flags._asdict().items():
-            if value not in (None, False) and name != "field":
+            if value is not None and value is not False and name != "field":
                 raise ValueError(
                     f"--{name.replace('_', '-')}: belongs to results of a finite element program; a scene has its own"
                 )
