@@ -82,7 +82,7 @@ class Scene(Table):
         return cls._validated(tables, {"folder": Path(folder)})
 
     @classmethod
-    def _validated(cls, tables: Mapping[str, Any], context: dict[str, Any]) -> Scene:
+    def _validated(cls, tables: Mapping[str, Any], context: dict[str, Any]) -> Self:
         try:
             return cls.model_validate(dict(tables), context=context)
         except ValidationError as error:
@@ -243,14 +243,7 @@ class Scene(Table):
         SceneError
             As `from_dict`.
         """
-        tables = self.model_dump(by_alias=True, exclude_unset=True)
-        for key, change in changes.items():
-            old = tables.get(key)
-            if not (isinstance(old, dict) and isinstance(change, Mapping)):
-                tables[key] = change
-                continue
-            given_way = {other for new in change for other in _EXCLUDES.get((key, new), ())} - set(change)
-            tables[key] = {**{k: v for k, v in old.items() if k not in given_way}, **change}
+        tables = self._changed(changes)
         for new, old_load in (("load", "boundary"), ("boundary", "load")):
             if new in changes and old_load not in changes:
                 tables.pop(old_load, None)
@@ -261,6 +254,18 @@ class Scene(Table):
         if not {"plate", "part", "holes"} & set(changes):
             context["geometry_of"] = self
         return self._validated(tables, context)
+
+    def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Its tables with changes key by key."""
+        tables = self.model_dump(by_alias=True, exclude_unset=True)
+        for key, change in changes.items():
+            old = tables.get(key)
+            if not (isinstance(old, dict) and isinstance(change, Mapping)):
+                tables[key] = change
+                continue
+            given_way = {other for new in change for other in _EXCLUDES.get((key, new), ())} - set(change)
+            tables[key] = {**{k: v for k, v in old.items() if k not in given_way}, **change}
+        return tables
 
 
 _LOADS = ("strain", "displacement", "stress")
