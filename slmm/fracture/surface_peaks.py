@@ -200,7 +200,7 @@ def _followed(brackets: Sequence[Bracket], stress_below: StressBelow, exclusion:
         ways = middle[:, None] + width[:, None] * x
         where = _joined([curve.at(way) for curve, way in zip(curves, ways, strict=True)])
         value = stress_below(where).reshape(len(brackets), SOUGHT) @ to_fine.T
-        middle = middle + width * fine[value.argmax(axis=1)]
+        middle = middle + width * _summits(fine, value)
     ends = np.array([bracket.ends for bracket in brackets])
     near = np.column_stack([middle - low, high - middle]) <= AT_END * half[:, None]
     at_end = (ends & near).any(axis=1)
@@ -209,6 +209,20 @@ def _followed(brackets: Sequence[Bracket], stress_below: StressBelow, exclusion:
         Site(point, inward, int(hole), float(stress), exclusion.reason(point) if ended else "")
         for point, inward, hole, stress, ended in zip(*sites, value.max(axis=1), at_end, strict=True)
     ]
+
+
+def _summits(x: Array, values: Array) -> Array:
+    """Where the rows of values (k, n) at evenly spaced x (n,) are largest, by the parabola through the three highest.
+
+    The largest value alone stands at one point or its neighbour as rounding decides.
+    """
+    row, top = np.arange(len(values)), values.argmax(axis=1)
+    inner = np.clip(top, 1, len(x) - 2)
+    low, middle, high = (values[row, inner + k] for k in (-1, 0, 1))
+    bend = np.where(top == inner, low - 2 * middle + high, 0.0)
+    flat = bend >= 0
+    beside = np.where(flat, 0.0, 0.5 * (low - high) / np.where(flat, 1.0, bend))
+    return np.asarray(x[top] + beside * (x[1] - x[0]))
 
 
 def _joined(places: Sequence[Places]) -> Places:
