@@ -186,7 +186,7 @@ class Process:
 
     def _ended(self) -> Outcome | None:
         """What a part is whose crack has just run into something."""
-        if len(self.part.pieces) == 1:
+        if not self.part.is_severed:
             return None
         near = 2 * self.part.tolerance
         if sum(is_carried(piece, self.loading, near) for piece in self.part.pieces) < 2:
