@@ -322,8 +322,8 @@ class BoundaryModel:
         targets = points[:, 0] + 1j * points[:, 1]
         one, other = self._from_boundary(targets)
         if self.cracks is not None:
-            cracks = of_cracks(self.cracks, targets, np.full(len(targets), -1))
-            one = one + cracks.P @ self.c
-            other = other + cracks.Q @ self.c - cracks.P @ self.c.conj()
+            P, Q = of_cracks(self.cracks, targets, np.full(len(targets), -1)).stress()
+            one = one + P @ self.c
+            other = other + Q @ self.c - P @ self.c.conj()
         mean, difference = 2 * one.real, other
         return np.column_stack([mean - difference.real, mean + difference.real, difference.imag])

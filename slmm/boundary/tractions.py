@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 
 from slmm.boundary.densities import (
-    Linear,
     Targets,
     displacement_of_boundary,
     displacement_of_highest,
@@ -21,6 +20,7 @@ from slmm.boundary.densities import (
     stress_of_jumps,
     traction_of,
 )
+from slmm.boundary.linear import Linear
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex, highest, integration
 
