@@ -147,7 +147,7 @@ class Process:
             grown.arrested_by,
             float(np.linalg.norm(grown.end - event.point)),
             gap,
-            state.touches,
+            state.closed,
             tuple(self._candidate(event, u) for event in events),
             finer,
             excluded,
