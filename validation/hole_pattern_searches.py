@@ -23,7 +23,7 @@ from hole_pattern_spaces import all_listed
 from slmm.optimization import Bound, Value, search
 from slmm.optimization.hole_patterns.listed import ListedPattern
 
-RUNS, QUICK_RUNS = 100, 5
+RUNS, QUICK_RUNS = 50, 5
 #: classes of equal designs from which on a space tells searches apart; chosen
 LARGE = 100
 PUBLISHED = "TBFSL(3, 3) from the solid plate"
