@@ -26,6 +26,8 @@ PER_DISTANCE, PER_CRACK = 1.5, 0.75
 COMES_BACK = 0.5
 #: samples of a segment of a crack that tell how near it is (chosen)
 SAMPLES = 100
+#: places along a panel that tell how near it is (chosen)
+ALONG = np.linspace(0.0, 1.0, 5)
 #: of lengths of segments that are equal but for rounding
 ROUND_OFF = 1e-6
 #: kinks that turn by less need no shorter panels than the segments are, rad: K stays within 1e-4 (chosen)
@@ -112,10 +114,22 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
         Points on each panel.
     at_mouth : float
         The last panel before a mouth, over the length of the crack.
+
+    Raises
+    ------
+    ValueError
+        When a crack, or a segment of one, beside others is so short that its ends are one place of the part.
     """
     found: list[tuple[complex, complex, int]] = []
     number = 0
     lines = [line[:, 0] + 1j * line[:, 1] for line in part.crack_lines]
+    for crack, z in zip(part.cracks, lines, strict=True):
+        if (np.diff(z) == 0).any():
+            length = np.linalg.norm(np.diff(crack.points, axis=0), axis=1).min()
+            raise ValueError(
+                f"crack {crack.points.tolist()}: a segment of {length:.3g} mm is one place; it must be longer than "
+                f"{part.tolerance:.3g} mm, below which lengths of the part count as zero"
+            )
     times = Counter(point for z in lines for point in z.tolist())
     near = _Near.of(around, lines)
     for c, (crack, z) in enumerate(zip(part.cracks, lines, strict=True)):
@@ -142,7 +156,8 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
             if max(first_tip, last_tip) < 0 and min(ends) > 1.0 - ROUND_OFF and is_clear[k]:
                 found.append((a, b, -1))
             else:
-                found += _segment(a, b, first_tip, last_tip, ends, near.to(c, k))
+                mouths = k == 0 and crack.start.kind == "surface", k == last and crack.end.kind == "surface"
+                found += _segment(a, b, first_tip, last_tip, ends, mouths, near.to(c, k))
     starts, ends_of = (np.array([f[i] for f in found], dtype=complex) for i in (0, 1))
     tip = np.array([f[2] for f in found], dtype=int)
     x, _, _ = straight_rule(p)
@@ -236,33 +251,41 @@ class _NearSegment(NamedTuple):
     start: complex
     begin: float
 
-    def longest(self, z: Complex) -> float:
-        """How long a panel through points z (k,) of the segment may be, mm."""
-        return float(_longest(z, self.surfaces, self.cracks, self.way, self.start, self.begin))
+    def longest(self, z: Complex, away: int = 0) -> float:
+        """How long a panel through points z (k,) may be, mm; those before ``away`` may lie on a surface."""
+        return float(_longest(z, away, self.surfaces, self.cracks, self.way, self.start, self.begin))
 
 
 @njit(cache=True)
-def _longest(z, surfaces, cracks, way, start, begin):
+def _longest(z, away, surfaces, cracks, way, start, begin):
     """Kernel of `_NearSegment.longest`."""
     to_surfaces = to_cracks = np.inf
     for i in range(len(z)):
         x, y = z[i].real, z[i].imag
-        for k in range(len(surfaces)):
-            u, v = surfaces[k].real - x, surfaces[k].imag - y
-            to_surfaces = min(to_surfaces, u * u + v * v)
+        if i >= away:
+            for k in range(len(surfaces)):
+                u, v = surfaces[k].real - x, surfaces[k].imag - y
+                to_surfaces = min(to_surfaces, u * u + v * v)
         here = begin + abs(z[i] - start)
         for k in range(len(cracks)):
             u, v = cracks[k].real - x, cracks[k].imag - y
-            away = np.sqrt(u * u + v * v)
-            if away < COMES_BACK * abs(here - way[k]):
-                to_cracks = min(to_cracks, away)
+            gap = np.sqrt(u * u + v * v)
+            # where two segments of a crack meet both are round-off
+            if gap < COMES_BACK * abs(here - way[k]) - ROUND_OFF * here:
+                to_cracks = min(to_cracks, gap)
     return min(PER_DISTANCE * np.sqrt(to_surfaces), PER_CRACK * to_cracks)
 
 
 def _segment(
-    a: complex, b: complex, first_tip: int, last_tip: int, ends: Sequence[float], near: _NearSegment
+    a: complex,
+    b: complex,
+    first_tip: int,
+    last_tip: int,
+    ends: Sequence[float],
+    mouths: tuple[bool, bool],
+    near: _NearSegment,
 ) -> list[tuple[complex, complex, int]]:
-    """Panels of a segment from a to b: start, end, and the tip at the end or -1."""
+    """Panels of a segment from a to b, which begins or ends at a mouth: start, end, and the tip at the end or -1."""
     length = abs(b - a)
     low, high = 0.0, 1.0
     panels: list[tuple[complex, complex, int]] = []
@@ -282,8 +305,12 @@ def _segment(
     todo = [(low, high)] if high > low else []
     while todo:
         u, v = todo.pop()
-        z = a + np.linspace(u, v, 5) * (b - a)
-        allowed = min(max(u, first), max(1.0 - v, last), max(near.longest(z) / length, least))
+        z = a + ALONG * (v - u) * (b - a) + u * (b - a)
+        # of a panel that ends at a mouth, how far from the surface its other end is
+        at_mouth = mouths[0] and u == 0.0, mouths[1] and v == 1.0
+        away = len(ALONG) - 1 if any(at_mouth) else 0
+        longest = near.longest(z[::-1] if at_mouth[1] else z, away)
+        allowed = min(max(u, first), max(1.0 - v, last), max(longest / length, least))
         if v - u > allowed * (1 + ROUND_OFF):
             todo += [(u, 0.5 * (u + v)), (0.5 * (u + v), v)]
         else:

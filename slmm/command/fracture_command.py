@@ -65,9 +65,12 @@ def fracture(
         typer.Option(
             metavar="CRITERION",
             help="Which way cracks grow: MTS (largest tangential stress), MERR (largest energy release rate), "
-            "'local symmetry' (no mode II), J (along its vector).",
+            "'local symmetry' (no mode II), J (along its vector), GMTS (as MTS at a distance, with the stress T).",
         ),
     ] = "MTS",
+    critical_distance: Annotated[
+        float | None, typer.Option(metavar="MM", help="That distance of GMTS; else the material's.")
+    ] = None,
     first_length: Annotated[
         float | None, typer.Option(metavar="MM", help="Length of a crack that starts; else an increment.")
     ] = None,
@@ -148,6 +151,7 @@ def fracture(
                 engine,
                 tolerance,
                 direction=direction,
+                critical_distance=critical_distance,
                 first_length=first_length,
                 largest_displacement=largest_displacement,
                 journal=journal,

@@ -76,6 +76,17 @@ def print_fracture(result: xr.Dataset) -> None:
             " there.",
             soft_wrap=True,
         )
+    if result.sizes["loose"]:
+        after = ", ".join(str(step + 1) for step in result.loose_step.values.tolist())
+        out.print(
+            f"Pieces came loose that carry nothing, and were taken away: {result.sizes['loose']}, after step {after}.",
+            soft_wrap=True,
+        )
+    if forks := int(result.attrs.get("forking_directions", 0)):
+        out.print(
+            f"In {forks} steps two directions were alike, as T bends the path: it may go either way there.",
+            soft_wrap=True,
+        )
     if touches := int(result.touches.sum()):
         contact = result.attrs["contact"]
         says = "overlap, and nothing holds them" if contact == "none" else f"hold each other, {contact}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from slmm.command.solved_part import ResultFlags, scene_of
 from slmm.command.terminal import (
     PICTURE_FORMATS,
     RESULT_FORMATS,
@@ -34,7 +35,14 @@ LISTED = 10
 
 
 def initiation(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Plate, notches, material, load.")],
+    scene_file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENE.toml|RESULTS",
+            help="Plate, notches, material, load; or a solved plane finite element model (.frd, .vtu, .med and "
+            "others), with its material.",
+        ),
+    ],
     method: Annotated[
         str | None, typer.Option(help=f"{', '.join(METHODS)}; else what the scene asks for.")
     ] = None,
@@ -54,6 +62,29 @@ def initiation(
         typer.Option(
             metavar="NAME", help="Which nodal data of --displacements they are, where names do not tell."
         ),
+    ] = None,
+    material: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of RESULTS: PMMA, PS, Al2O3; else its constants.")
+    ] = None,
+    young: Annotated[
+        float | None,
+        typer.Option(metavar="E", help="Of RESULTS: Young's modulus, MPa; of a .frd file else by its .inp."),
+    ] = None,
+    poisson: Annotated[
+        float | None, typer.Option(metavar="NU", help="Poisson's ratio, with --young.")
+    ] = None,
+    strength: Annotated[
+        float | None, typer.Option(metavar="SIGMA_C", help="Of RESULTS: tensile strength, MPa.")
+    ] = None,
+    toughness: Annotated[
+        float | None, typer.Option(metavar="K_IC", help="Of RESULTS: fracture toughness, MPa sqrt(m).")
+    ] = None,
+    plane_strain: Annotated[
+        bool, typer.Option("--plane-strain", help="RESULTS are in plane strain in place of plane stress.")
+    ] = False,
+    step: Annotated[
+        int | None,
+        typer.Option(help="Which step of RESULTS, from 0; from the end if negative; else the last."),
     ] = None,
     average: Annotated[
         bool | None,
@@ -86,9 +117,8 @@ def initiation(
     with refusals():
         check_target(output, RESULT_FORMATS, "-o")
         check_target(plot, PICTURE_FORMATS, "--plot")
-        from slmm.scene.scene import read_scene
-
-        scene = read_scene(scene_file)
+        flags = ResultFlags(material, young, poisson, strength, toughness, plane_strain, step, field)
+        scene = scene_of(scene_file, flags, displacements)
         if displacements is not None and not displacements.is_file():
             raise ValueError(f"--displacements {displacements}: there is no such file")
         inputs = [scene_file, database, displacements, *(getattr(hole, "file", None) for hole in scene.holes)]
@@ -107,7 +137,7 @@ def initiation(
                 tolerance=tolerance,
                 displacements=displacements,
                 progress=progress,
-                field=field,
+                field=None if displacements is None else field,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:

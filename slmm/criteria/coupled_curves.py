@@ -57,7 +57,7 @@ def criticals(
         load_factor[i], length[i], code[i] = critical_load(
             curves.a[i], curves.G_inc[i], strength[i], material.G_c, material.sigma_c, not open_end
         )
-        if open_end and load_factor[i] * strength[i, -1] > (1 + 1e-9) * material.sigma_c:
+        if open_end and strength[i, -1] > (1 + 1e-9) * material.sigma_c / load_factor[i]:
             load_factor[i], length[i], code[i] = np.nan, np.nan, NONE
             continue
         if np.isinf(load_factor[i]):

@@ -11,8 +11,8 @@ import shapely
 from scipy.spatial import cKDTree
 
 from slmm.fem.element_size import ElementSize
+from slmm.part.chords import chords
 from slmm.part.outline import Outline
-from slmm.part.part import OUTLINE_SAMPLES
 
 #: given steps of a line may be longer than the size wanted by this share, and than their neighbours by this factor: the
 #: mesher cuts steps half as long again; both chosen
@@ -77,7 +77,7 @@ def boundary_pieces(
         Points of the boundary that have to be nodes, as the mouths of cracks, mm.
     """
     body = shapely.orient_polygons(body)
-    samples = [outline.polygon(OUTLINE_SAMPLES) for outline in outlines]
+    samples = [chords(outline) for outline in outlines]
     label_of = _Labels(samples, 1e-9 * body.length)
     rings = []
     for ring in (body.exterior, *body.interiors):

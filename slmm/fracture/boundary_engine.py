@@ -56,9 +56,11 @@ class BoundaryState:
         # the mean square, for where supports end a stress has no largest value
         length = np.abs(model.panels.dz)
         closed = unloaded(model.part, float(np.sqrt(model.hoop**2 @ length / length.sum())), NO_OPENING)
+        tips, asks = len(model.part.tips), rules.direction.asks_for_T
         return competing_events(
             model.part,
             model.stress_intensities(),
+            model.t_stresses() if asks else np.full(tips, np.nan),
             closed,
             lambda load: rules.initiation(model, load),
             model.body.material,

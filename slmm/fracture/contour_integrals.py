@@ -13,6 +13,7 @@ the field with that of K_I = 1 or K_II = 1 (Stern, Becker and Dunham 1976).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -176,24 +177,49 @@ def stress_intensities(
 
     Parameters and errors are those of `j_vector`; stresses and displacements must be those of linear elasticity.
     """
-    _check_clear(tip, radius)
-    total = np.zeros(2)
+    total = interaction(results, tip, radius, elasticity, tip_gradients)
     if faces is not None:
         at_nodes = weight(np.linalg.norm(results.points - tip.position, axis=1), radius)
-        total += traction_in_interaction(faces, at_nodes, elasticity)
+        total = total + traction_in_interaction(faces, at_nodes, elasticity)
+    return elasticity.E_prime / 2 * total
+
+
+def interaction(
+    results: ElementResults,
+    tip: CrackTip,
+    radius: float,
+    elasticity: Elasticity,
+    gradients: Callable[[np.ndarray, Elasticity], np.ndarray],
+) -> np.ndarray:
+    """Interaction (m,) of the results with m fields that leave the faces free, N/mm; parameters as of `j_vector`.
+
+    Parameters
+    ----------
+    gradients : callable
+        Displacement gradients (..., m, 2, 2) of the fields at points (..., 2) of the tip's axes, as
+        `slmm.fracture.tip_field.tip_gradients`.
+    """
+    _check_clear(tip, radius)
+    total = np.zeros(1)
     for name, nodes in results.cells.items():
         q = weight(np.linalg.norm(results.points[nodes] - tip.position, axis=-1), radius)
         # where the weight is constant nothing is added
         ring = np.ptp(q, axis=1) > 0
         if ring.any():
-            total += _interaction(results, tip, name, ring, q[ring], elasticity)
-    return elasticity.E_prime / 2 * total
+            total = total + _interaction(results, tip, name, ring, q[ring], elasticity, gradients)
+    return total
 
 
 def _interaction(
-    results: ElementResults, tip: CrackTip, name: str, ring: np.ndarray, q: np.ndarray, elasticity: Elasticity
+    results: ElementResults,
+    tip: CrackTip,
+    name: str,
+    ring: np.ndarray,
+    q: np.ndarray,
+    elasticity: Elasticity,
+    gradients: Callable[[np.ndarray, Elasticity], np.ndarray],
 ) -> np.ndarray:
-    """Interaction (2,) with the fields of K_I = 1 and of K_II = 1, N/mm, in some elements of one type."""
+    """Interaction (m,) in some elements of one type, N/mm."""
     element, nodes, axes = element_named(name), results.cells[name][ring], tip.axes
     X, u = (results.points[nodes] - tip.position) @ axes.T, results.u[nodes] @ axes.T
     jacobian = np.einsum("eni,pnj->epij", X, element.gradient_at_points)
@@ -201,7 +227,7 @@ def _interaction(
     volume = np.linalg.det(jacobian) * element.weights
     H, dq = np.einsum("eni,epnj->epij", u, gradient), np.einsum("en,epnj->epj", q, gradient)
     sigma = axes @ results.stress[name][ring] @ axes.T
-    H_tip = tip_gradients(np.einsum("pn,eni->epi", element.shape(element.points), X), elasticity)
+    H_tip = gradients(np.einsum("pn,eni->epi", element.shape(element.points), X), elasticity)
     sigma_tip = elasticity.stress(H_tip)
     # sigma_ij u'_i,1 + sigma'_ij u_i,1 - (sigma : grad u') delta_1j
     flux = np.einsum("epij,epmi->epmj", sigma, H_tip[..., 0]) + np.einsum(

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.rules import values_at
 from slmm.boundary.stretches import COARSE
+from slmm.fracture.loose_pieces import carrying_piece
 from slmm.fracture.work_conjugate import work_conjugate
 from slmm.part.crack import TIP
 from slmm.part.part import Part
+from slmm.part.remains import remains
 from slmm.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -34,6 +36,8 @@ ON_PANEL = np.linspace(-1.0, 1.0, 7)
 def part_before(scene: Scene, result: xr.Dataset, step: int) -> Part:
     """The part with the cracks that it had before a step; all of them if it is the number of steps.
 
+    Without the pieces that had come loose, unless it is severed.
+
     Examples
     --------
     >>> from slmm.fracture.simulation import simulate
@@ -51,7 +55,9 @@ def part_before(scene: Scene, result: xr.Dataset, step: int) -> Part:
         if known.any():
             lines.append(np.column_stack([x, y])[known])
     whole = replace(scene.part, cracks=())
-    return whole.with_cracks(lines) if lines else whole
+    cracked = whole.with_cracks(lines) if lines else whole
+    kept = carrying_piece(cracked, scene.loading) if (result.loose_step < step).any() else None
+    return cracked if kept is None else remains(cracked, kept).part
 
 
 class Faces(NamedTuple):

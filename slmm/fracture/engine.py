@@ -23,8 +23,8 @@ class Rules(NamedTuple):
 
     Attributes
     ----------
-    direction : callable
-        Which way tips run on, see `slmm.fracture.directions`.
+    direction : Direction
+        Which way tips run on.
     initiation : callable
         The cracks that may start, given a model by boundary integrals and the load above which they are of no interest.
     """
@@ -85,6 +85,7 @@ def growth_load(K: Array, material: Material) -> float:
 def competing_events(
     part: Part,
     K: Array,
+    T: Array,
     closed: Array,
     first_cracks: Callable[[float], list[Event]],
     material: Material,
@@ -99,18 +100,20 @@ def competing_events(
     part : Part
     K : ndarray, shape (k, 2)
         K_I and K_II of its tips, MPa sqrt(mm).
+    T : ndarray, shape (k,)
+        Stress along the crack at its tips, MPa; NaN where the direction does not ask for it.
     closed : ndarray, shape (k,)
         Stress intensities up to which there are none, for all that the model resolves.
     first_cracks : callable
         Cracks that may start, given the load above which they are of no interest.
     material : Material
-    direction : callable
-        Which way tips run on, see `slmm.fracture.directions`.
+    direction : Direction
+        Which way tips run on.
     """
     # a closed tip has no mode I, and its faces slide
     moved = np.where(np.abs(K) > closed[:, None], K, 0.0)
     moved[:, 0] = np.maximum(moved[:, 0], 0.0)
-    tips = growths(part.tips, moved, material, direction)
+    tips = growths(part.tips, moved, T, material, direction)
     lowest = min((event.load for event in tips), default=np.inf)
     found = tips + first_cracks(lowest * (1 + COMPETING))
     lowest = min((event.load for event in found if not event.excluded), default=np.inf)

@@ -22,9 +22,11 @@ from slmm.fracture.exclusion import Exclusion
 from slmm.fracture.fem_mesh import clear_radii, crack_mesh
 from slmm.fracture.fem_surface import Ring, rings
 from slmm.fracture.surface_peaks import Sampled, Site, at_corners, at_peaks
+from slmm.fracture.t_stress import t_stress
 from slmm.fracture.tips import CrackTip
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
+from slmm.part.outline import Outline
 from slmm.part.part import Part
 from slmm.scene.loading import Loading
 
@@ -107,7 +109,9 @@ class FemState:
             return starts(self._at_sites._sites(least), self.material)
 
         closed = unloaded(self.part, largest, NO_OPENING)
-        return competing_events(self.part, self.K, closed, first_cracks, self.material, rules.direction)
+        asks = rules.direction.asks_for_T
+        T = tip_t_stresses(self.model, self.part) if asks else np.full(len(self.part.tips), np.nan)
+        return competing_events(self.part, self.K, T, closed, first_cracks, self.material, rules.direction)
 
     def finer(self, event: Event) -> tuple[float, float]:
         """Work and the load of an event on a mesh with elements half as large, for estimates of errors."""
@@ -170,14 +174,24 @@ def tip_stress_intensities(model: PlateModel, part: Part) -> Array:
     part : Part
     """
     (elasticity,) = model.results.elasticity
-    none = np.empty((0, 3), dtype=int)  # of faces without traction nothing is asked
-    K = np.empty((len(part.tips), 2))
-    for k, (line, clear) in enumerate(zip(part.tips, clear_radii(part), strict=True)):
+    K = [stress_intensities(model.results, tip, tip.clear, elasticity) for tip in _tips(model, part)]
+    return np.array(K).reshape(-1, 2)
+
+
+def tip_t_stresses(model: PlateModel, part: Part) -> Array:
+    """T (k,) of the tips of a part, MPa; parameters as of `tip_stress_intensities`."""
+    (elasticity,) = model.results.elasticity
+    return np.array([t_stress(model.results, tip, tip.clear, elasticity) for tip in _tips(model, part)])
+
+
+def _tips(model: PlateModel, part: Part) -> list[CrackTip]:
+    """The tips of a part in a mesh, of whose faces without traction nothing is asked."""
+    none, tips = np.empty((0, 3), dtype=int), []
+    for line, clear in zip(part.tips, clear_radii(part), strict=True):
         x, y = line[-1] - line[-2]
         node = np.linalg.norm(model.points - line[-1], axis=1).argmin()
-        tip = CrackTip(line[-1], float(np.arctan2(y, x)), np.array([node]), none, none, clear)
-        K[k] = stress_intensities(model.results, tip, clear, elasticity)
-    return K
+        tips.append(CrackTip(line[-1], float(np.arctan2(y, x)), np.array([node]), none, none, clear))
+    return tips
 
 
 class FemEngine:
@@ -198,6 +212,7 @@ class FemEngine:
         self.material, self.loading = material, loading
         self.fineness = next(fineness for error, fineness in FINENESS if tolerance >= error)
         self._curves: list[Ring] = []
+        self._holes: tuple[Outline, ...] = ()
 
     @property
     def described(self) -> dict[str, object]:
@@ -214,5 +229,6 @@ class FemEngine:
         MesherError
             When the mesher fails with other sizes, too.
         """
-        self._curves = self._curves or rings(part)
+        if not self._curves or part.holes is not self._holes:
+            self._curves, self._holes = rings(part), part.holes
         return FemState(part, self.material, self.loading, self.fineness, self._curves)

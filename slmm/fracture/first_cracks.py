@@ -83,6 +83,8 @@ class CoupledCriterion:
         In a thin ligament a longer crack always needs less: what the longest one needs is an upper bound of the load.
         """
         material = model.body.material
+        if self.surroundings.part.holes is not model.part.holes:  # a piece came loose
+            self.surroundings = Surroundings(model.part)
         way = self.surroundings.way(site.point, site.inward, [crack.points for crack in model.part.cracks])
         longest = min(IN_IRWIN_LENGTHS * material.irwin_length, IN_LIGAMENT * way)
         shortest = SHORTEST_IN_LIGAMENT * model.part.tolerance
@@ -147,10 +149,12 @@ class CellCriterion:
         from slmm.initiation.local_model import rasterised  # the database and its readers come with it
 
         self.scene, self.raster = scene.with_(cracks=[]), rasterised(scene)
-        self.coupled = CoupledCriterion(scene)
+        self.holes, self.coupled = scene.part.holes, CoupledCriterion(scene)
 
     def __call__(self, model: BoundaryModel, load: float) -> list[Event]:
         """Cracks that may start below a load."""
+        if model.part.holes is not self.holes:  # a piece came loose: the scene's holes are others
+            return self.coupled(model, load)
         sites = critical_sites(model, LESS_STRESS * model.body.material.sigma_c / load)
         on_holes = [site for site in sites if site.hole >= 0 and not site.excluded]
         by_cell = self._by_cells(model, on_holes) if on_holes else {}

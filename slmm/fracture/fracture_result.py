@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slmm.fracture.directions import Direction
 from slmm.fracture.equilibrium import equilibrium_path, force_control, released_in_equilibrium
-from slmm.fracture.events import COMPETING
-from slmm.fracture.history import Candidate, Excluded, History
+from slmm.fracture.events import COMPETING, TIED
+from slmm.fracture.history import WHOLE, Candidate, Excluded, Step
+from slmm.fracture.process import Process
 from slmm.fracture.stable_growth import left_out
-from slmm.part.part import Part
 from slmm.running.labelled import labelled
 from slmm.scene.scene import Scene
 
@@ -29,25 +30,25 @@ ERROR_IS = (
 
 
 def fracture_result(
-    scene: Scene, part: Part, history: History, settings: Mapping[str, Any], reached: Sequence[Sequence[int]]
+    scene: Scene, process: Process, direction: Direction, settings: Mapping[str, Any]
 ) -> xr.Dataset:
     """The result of `simulate`.
 
     Parameters
     ----------
     scene : Scene
-    part : Part
-        At the end.
-    history : History
+    process : Process
+        That has come to its end.
+    direction : Direction
+        By which tips turned.
     settings : mapping
         How it was made.
-    reached : sequence of sequence of int
-        For each crack the steps that led to its points.
     """
+    history, loose = process.history, process.loose
     steps = history.steps
     u, F = history.corners
-    x, y, step = _paths(part, reached)
-    dissipated = np.array([s.length for s in steps]) * scene.material.G_c * part.thickness
+    x, y, step = _paths(process.lines, process.reached)
+    dissipated = np.array([s.length for s in steps]) * scene.material.G_c * scene.part.thickness
     candidates = [(k, candidate) for k, step in enumerate(steps) for candidate in step.candidates]
     excluded = [(k, each) for k, step in enumerate(steps) for each in step.excluded]
     path, controlled, lacks = equilibrium_path(history), force_control(history), left_out(history, dissipated)
@@ -82,6 +83,12 @@ def fracture_result(
             ),
             "K_I": ("step", K[:, 0], root_mm, "stress intensity of mode I at the critical load"),
             "K_II": ("step", K[:, 1], root_mm, "stress intensity of mode II at the critical load"),
+            "T": (
+                "step",
+                [s.T for s in steps],
+                "MPa",
+                "stress along the crack at the critical load, for GMTS",
+            ),
             "released": ("step", history.released, "mJ", "stored energy set free by the step"),
             "dissipated": ("step", dissipated, "mJ", "G_c times the new crack's area"),
             "excess": (
@@ -97,6 +104,12 @@ def fracture_result(
                 "energy that stable growth by the step would set free, at falling or rising displacement",
             ),
             "gap": ("step", gap, "1", "by which the next event's load is higher, relative"),
+            "tie": (
+                "step",
+                np.array([_tied(s) for s in steps], dtype=int),
+                "1",
+                f"how many events had its load, within {TIED:g}: what is nearest to the step before happens",
+            ),
             "touches": (
                 "step",
                 np.array([s.touches for s in steps], dtype=bool),
@@ -108,6 +121,15 @@ def fracture_result(
             "crack_step": (("crack", "point"), step, "1", "step that led there, -1 before the first"),
             **_candidates(candidates),
             **_excluded(excluded),
+            "loose_step": (
+                "loose",
+                np.array([piece.step for piece in loose], dtype=int),
+                "1",
+                "step that set a piece loose, which carries nothing and is taken away; -1 before the first",
+            ),
+            "loose_x": ("loose", np.array([piece.x for piece in loose]), "mm", "x of its middle"),
+            "loose_y": ("loose", np.array([piece.y for piece in loose]), "mm", "y of its middle"),
+            "loose_area": ("loose", np.array([piece.area for piece in loose]), "mm2", "its area"),
             "equilibrium_u": ("state", path.u, "mm", "displacement along the equilibrium path"),
             "equilibrium_F": ("state", path.F, "N", "force along the equilibrium path"),
             "equilibrium_step": ("state", path.step, "1", "step that happens there, -1 for none"),
@@ -167,13 +189,23 @@ def fracture_result(
     if excluded:
         reasons = "; ".join(sorted({each.reason for _, each in excluded}))
         result.attrs["excluded_starts"] = f"critical before what happened, and not let crack: {reasons}"
+    if history.outcome not in WHOLE:
+        result.U_T.attrs["comment"] = f"a lower bound: the simulation ended early ({history.outcome})"
+    if direction.asks_for_T:
+        result.attrs["forking_directions"] = int(np.sum([direction.forks(*s.K, s.T) for s in steps]))
     competing = int(np.sum(gap < COMPETING))
     result.attrs["competing_events"] = competing
     result["gap"].attrs["comment"] = (
-        f"below {COMPETING:g} events compete, and the path may fork; ties below 1e-5 go to tips before starts, "
-        "then to the lowest hole, y and x"
+        f"below {COMPETING:g} events compete, and the path may fork; ties below {TIED:g} go to tips before starts, "
+        "then to what is nearest to where the step before ended, and if that is the same to the lowest hole, y and x"
     )
     return result
+
+
+def _tied(step: Step) -> int:
+    """How many events might have been a step."""
+    loads = np.array([candidate.u_c for candidate in step.candidates])
+    return int(np.sum(loads <= loads.min(initial=math.inf) * (1 + TIED)))
 
 
 def _candidates(candidates: Sequence[tuple[int, Candidate]]) -> dict[str, tuple[str, Any, str, str]]:
@@ -212,12 +244,14 @@ def _excluded(excluded: Sequence[tuple[int, Excluded]]) -> dict[str, tuple[str, 
     return {f"excluded_{name}": ("excluded", *labels) for name, labels in values.items()}
 
 
-def _paths(part: Part, reached: Sequence[Sequence[int]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _paths(
+    lines: Sequence[np.ndarray], reached: Sequence[Sequence[int]]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coordinates and steps (cracks, points) along the cracks, NaN beyond their ends."""
-    longest = max((len(crack.points) for crack in part.cracks), default=0)
-    values = np.full((3, len(part.cracks), longest), math.nan)
-    for k, (crack, steps) in enumerate(zip(part.cracks, reached, strict=True)):
-        n = len(crack.points)
-        values[:2, k, :n] = crack.points.T
+    longest = max((len(line) for line in lines), default=0)
+    values = np.full((3, len(lines), longest), math.nan)
+    for k, (line, steps) in enumerate(zip(lines, reached, strict=True)):
+        n = len(line)
+        values[:2, k, :n] = line.T
         values[2, k, :n] = steps
     return values[0], values[1], values[2]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: variables over these dimensions become columns of a list under the name
-TABLES = {"step": "steps", "candidate": "candidates", "excluded": "excluded"}
+TABLES = {"step": "steps", "candidate": "candidates", "excluded": "excluded", "loose": "loose_pieces"}
 CURVES = {"corner": "curve", "state": "equilibrium_path", "force_corner": "force_controlled"}
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from slmm.part.chords import chords
 from slmm.part.part import Part
 from slmm.part.rays import Lines, distances_along
 
@@ -22,8 +23,6 @@ LOOK_AHEAD = 0.375
 #: and it breaks through to a surface beside it that is nearer than this share of the increment; chosen: what is left
 #: is as thin as the point method looks deep
 THIN = 0.06
-#: chords around an outline, which lines meet; chosen
-CHORDS = 2000
 #: a line begins on its own surface for so many of the part's tolerances; round-off of chords
 BEGINS = 2.0
 
@@ -57,7 +56,7 @@ class Surroundings:
 
     @cached_property
     def _lines(self) -> Lines:
-        rings = [outline.polygon(CHORDS) for outline in self.part.outlines]
+        rings = [chords(outline) for outline in self.part.outlines]
         return Lines.of(rings if self.part.rim is not None else [*rings, self.part.outer], closed=True)
 
     @cached_property

@@ -22,12 +22,15 @@ class Outcome(StrEnum):
     """How a simulation ended."""
 
     SEVERED = "the part is severed"
-    LOOSE = "a piece came loose that carries no load"
     LARGEST = "the largest displacement is reached"
     NO_EVENT = "no crack can grow or start"
     SHORT = "the tensile toughness asked for can no longer be reached"
     STEPS = "the largest number of steps is reached"
     FAILED = "failed"
+
+
+#: of a simulation that has come as far as was asked: what it says of U_T is all of it
+WHOLE = (Outcome.SEVERED, Outcome.LARGEST)
 
 
 class Candidate(NamedTuple):
@@ -127,6 +130,11 @@ class Step:
         """K_I and K_II at the critical load, MPa sqrt(mm); NaN of a start."""
         K_I, K_II = self.event.K
         return self.event.load * K_I, self.event.load * K_II
+
+    @property
+    def T(self) -> float:
+        """Stress along the crack at the critical load, MPa; NaN of a start and where no criterion asks for it."""
+        return self.event.load * self.event.T
 
 
 @dataclass

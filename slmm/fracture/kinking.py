@@ -113,7 +113,7 @@ def maximum_tangential_stress(K_I: float, K_II: float) -> float:
     >>> round(math.degrees(maximum_tangential_stress(1.0, 0.5)), 2)
     -40.21
     """
-    I, II = _open_crack(K_I, K_II)
+    I, II = open_crack(K_I, K_II)
     return 2 * math.atan2(-2 * II, I + math.sqrt(I**2 + 8 * II**2))
 
 
@@ -146,7 +146,7 @@ def minimum_strain_energy_density(K_I: float, K_II: float, elasticity: Elasticit
     >>> round(math.degrees(minimum_strain_energy_density(0.0, 1.0, Elasticity(210e3, 0.3))), 2)
     -82.34
     """
-    I, II = _open_crack(K_I, K_II)
+    I, II = open_crack(K_I, K_II)
     kappa = elasticity.kappa
     # but for a factor and a constant the density is a cos + b cos^2 + sin (c + d cos)
     a, b = (kappa - 1) * (I**2 - II**2), 3 * II**2 - I**2
@@ -200,7 +200,7 @@ def maximum_energy_release_rate(K_I: float, K_II: float) -> float:
     >>> round(math.degrees(angle), 2), round((k_I**2 + k_II**2) / (1.0**2 + 0.5**2), 4)
     (-42.03, 1.3343)
     """
-    K = np.array(_open_crack(K_I, K_II))
+    K = np.array(open_crack(K_I, K_II))
 
     def slope(angle: float) -> float:
         m = angle / pi
@@ -233,7 +233,7 @@ def local_symmetry(K_I: float, K_II: float) -> float:
     >>> round(math.degrees(local_symmetry(1.0, 0.5)), 2)
     -42.13
     """
-    K = np.array(_open_crack(K_I, K_II))
+    K = np.array(open_crack(K_I, K_II))
     return _beyond_tangential_stress(
         lambda angle: float((_SERIES[1] @ (angle / pi) ** _POWERS) @ K), K_I, K_II
     )
@@ -311,8 +311,14 @@ def _check_finite(K_I: float, K_II: float) -> None:
         raise ValueError(f"K_I = {K_I!r}, K_II = {K_II!r}: must be finite")
 
 
-def _open_crack(K_I: float, K_II: float) -> tuple[float, float]:
-    """K_I and K_II over their magnitude, when they open the crack."""
+def open_crack(K_I: float, K_II: float) -> tuple[float, float]:
+    """K_I and K_II over their magnitude, when they open the crack.
+
+    Raises
+    ------
+    ValueError
+        See `maximum_tangential_stress`.
+    """
     _check_finite(K_I, K_II)
     size = max(abs(K_I), abs(K_II))
     if size == 0.0:

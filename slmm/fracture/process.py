@@ -5,19 +5,25 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slmm.fracture.engine import Engine, Rules
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.first_cracks import point_method
-from slmm.fracture.grown_part import GrownPart, crack_of, grown_part, is_carried
+from slmm.fracture.grown_part import GrownPart, crack_of, grown_part
 from slmm.fracture.growth import Surroundings
 from slmm.fracture.history import Candidate, Excluded, History, Outcome, Step
 from slmm.fracture.journal import end_of, history_of, record_of, step_of
 from slmm.fracture.lengths import Lengths
+from slmm.fracture.loose_pieces import Loose, carrying_piece
 from slmm.fracture.work_conjugate import work_conjugate
+from slmm.part.crack import TIP, End
+from slmm.part.remains import remains
 from slmm.running.line_journal import LineJournal
 from slmm.running.progress import Progress, silent
 from slmm.scene.scene import Scene
+
+Array = NDArray[np.float64]
 
 #: cracks together are so many times as long as the part's shorter side, at most; chosen: with holes it is one or two
 MOST_CROSSINGS = 10
@@ -29,10 +35,14 @@ class Process:
     Attributes
     ----------
     part : Part
-        With its cracks as they are now.
+        With its cracks as they are now, without pieces that came loose.
     history : History
+    lines : list of ndarray, shape (n, 2)
+        All cracks there have been, mm, also where they went with a piece that came loose.
     reached : list of list of int
-        For each crack and each of its points the step that led there; -1 of what was there before.
+        For each of these and each of its points the step that led there; -1 of what was there before.
+    loose : list of Loose
+        Pieces that came loose.
     """
 
     def __init__(
@@ -52,7 +62,13 @@ class Process:
         self.at_least = at_least
         self.surroundings = Surroundings(self.part)
         self.history = History()
-        self.reached = [[-1] * len(crack.points) for crack in self.part.cracks]
+        self.lines = [crack.points for crack in self.part.cracks]
+        self.reached = [[-1] * len(line) for line in self.lines]
+        self.loose: list[Loose] = []
+        # the part's cracks among the lines, and its outlines among the scene's, of which a rim is the last
+        self._lines_of = tuple(range(len(self.lines)))
+        self._rim = len(self.part.holes)
+        self._holes_of = tuple(range(self._rim + 1))
 
     def run(self, progress: Progress = silent, journal: LineJournal | None = None) -> None:
         """Step by step to the end, behind those of a journal; what fails ends it."""
@@ -68,10 +84,6 @@ class Process:
     def _go_on(self, progress: Progress, journal: LineJournal | None) -> None:
         """Solve and let happen what comes next, again and again."""
         steps = self.history.steps
-        if self.part.is_severed:
-            # steps of a journal may end where a crack has just run into something
-            self.history.outcome = (self._ended() if steps else None) or Outcome.SEVERED
-            return
         side = float(np.ptp(self.part.outer, axis=0).min())
         for k in range(len(steps), int(MOST_CROSSINGS * side / self.lengths.growth)):
             progress(
@@ -92,6 +104,7 @@ class Process:
     def _take_up(self, steps: list[Step], solves: bool) -> None:
         """Let happen again what happened, solved again where the engine keeps something of it for what follows."""
         for k, step in enumerate(steps):
+            self._let_go()
             if solves and self.engine.keeps:
                 state = self.engine.solve(self.part)
                 if self.rules.initiation is not point_method:  # trial cracks leave their panels behind
@@ -99,9 +112,10 @@ class Process:
                 if math.isfinite(step.finer[0]):
                     state.finer(step.event)
             grown = self._grown(step.event, step.u_c)
-            if (grown.crack, tuple(grown.end.tolist())) != (step.crack, step.end):
+            line = self._line_of(grown)
+            if (line, tuple(grown.end.tolist())) != (step.crack, step.end):
                 raise ValueError(
-                    f"step {k + 1} of the journal leads crack {step.crack} to {step.end}, and here crack {grown.crack} "
+                    f"step {k + 1} of the journal leads crack {step.crack} to {step.end}, and here crack {line} "
                     f"to {tuple(grown.end.tolist())}: it was written on another machine; begin anew"
                 )
             self.history.last_stiffness = step.stiffness
@@ -110,6 +124,9 @@ class Process:
     def _step(self) -> Outcome | None:
         """Solve, find the next event, and let it happen; how it ended, if it did."""
         history = self.history
+        if not self._let_go():
+            history.last_stiffness = 0.0
+            return Outcome.SEVERED
         state = self.engine.solve(self.part)
         F, u = self.conjugate.force_and_displacement(state.work * self.part.thickness)
         history.last_stiffness = F / u
@@ -128,7 +145,7 @@ class Process:
                     f"what would crack first, at u = {min(excluded).u_c:.4g} mm, is {min(excluded).reason}"
                 )
             return Outcome.NO_EVENT
-        event, gap = next_event(events)
+        event, gap = next_event(events, self._last_place())
         if event.load * u > self.largest:
             history.last_u, history.next_u = self.largest, event.load * u
             return Outcome.LARGEST
@@ -142,9 +159,9 @@ class Process:
             event.load * u,
             F / u,
             event,
-            grown.crack,
+            self._line_of(grown),
             tuple(grown.end.tolist()),
-            grown.arrested_by,
+            self._name(grown.arrested_by),
             float(np.linalg.norm(grown.end - event.point)),
             gap,
             state.touches,
@@ -153,23 +170,71 @@ class Process:
             excluded,
         )
         self._happens(step, grown)
-        return self._ended() if step.arrested_by else None
+        return None
 
     def _happens(self, step: Step, grown: GrownPart) -> None:
         """Take over what a step has made of the part."""
-        k = len(self.history.steps)
-        if grown.crack == len(self.reached):
+        k, line = len(self.history.steps), step.crack
+        if line == len(self.lines):
+            self._lines_of = (*self._lines_of, line)
+            self.lines.append(grown.part.cracks[grown.crack].points)
             self.reached.append([k, k])
         else:
-            self.reached[grown.crack].insert(0 if grown.at_start else len(self.reached[grown.crack]), k)
+            at = 0 if self._is_first(line, step.event.point) else len(self.lines[line])
+            self.lines[line] = np.insert(self.lines[line], at, grown.end, axis=0)
+            self.reached[line].insert(at, k)
         self.history.steps.append(step)
         self.part = grown.part
 
+    def _let_go(self) -> bool:
+        """Whether the part still carries its load; what the last step cut loose is no part of it any more."""
+        steps, part = self.history.steps, self.part
+        if (steps and not steps[-1].arrested_by) or not part.is_severed:
+            return True
+        kept = carrying_piece(part, self.loading)
+        if kept is None:
+            return False
+        left = remains(part, kept)
+        for piece in part.pieces:
+            if piece is not kept:
+                x, y = piece.centroid.coords[0]
+                self.loose.append(Loose(len(steps) - 1, x, y, piece.area))
+        self.part, self.surroundings = left.part, Surroundings(left.part)
+        self._lines_of = tuple(self._lines_of[k] for k in left.cracks)
+        self._holes_of = (*(self._hole(k) for k in left.holes), self._rim)
+        return True
+
+    def _line_of(self, grown: GrownPart) -> int:
+        """Which of the lines is longer or new."""
+        return (*self._lines_of, len(self.lines))[grown.crack]
+
+    def _is_first(self, line: int, point: Array) -> bool:
+        return bool((self.lines[line][0] == point).all())
+
+    def _hole(self, number: int) -> int:
+        """Which outline of the scene one of the part is, -1 of a straight edge and a new notch."""
+        return self._holes_of[number] if number >= 0 else -1
+
+    def _name(self, end: End) -> str:
+        """What a crack ends at, in words; nothing of a tip."""
+        if end == TIP:
+            return ""
+        if end.kind == "crack":
+            return f"crack {self._lines_of[end.number]}"
+        hole = self._hole(end.number)
+        return f"hole {hole}" if 0 <= hole < self._rim else "edge"
+
+    def _last_place(self) -> Array:
+        """Where the last thing happened: the end of the last step, the first tip, or the middle of the part."""
+        if self.history.steps:
+            return np.array(self.history.steps[-1].end)
+        return self.part.tips[0][-1] if self.part.tips else self.part.box.mean(axis=0)
+
     def _candidate(self, event: Event, u: float) -> Candidate:
         """What is in question, where u is the displacement under the scene's own load, mm."""
-        crack = crack_of(self.part, event.tip) if event.kind is Kind.GROWTH else -1
+        line = self._lines_of[crack_of(self.part, event.tip)] if event.kind is Kind.GROWTH else -1
         x, y = event.point.tolist()
-        return Candidate(event.load * u, event.kind, crack, event.hole, x, y)
+        return Candidate(event.load * u, event.kind, line, self._hole(event.hole), x, y)
 
     def _grown(self, event: Event, u_c: float) -> GrownPart:
         length = self._length(event, u_c) if event.kind is Kind.GROWTH else event.length or self.lengths.first
@@ -178,18 +243,8 @@ class Process:
     def _length(self, event: Event, u_c: float) -> float:
         """Length of a tip's increment, mm."""
         crack = crack_of(self.part, event.tip)
-        at_start = bool((self.part.cracks[crack].points[0] == event.point).all())
-        has_grown = self.reached[crack][0 if at_start else -1] >= 0
+        its = self._lines_of[crack]
+        has_grown = self.reached[its][0 if self._is_first(its, event.point) else -1] >= 0
         room = self.surroundings.room(self.part, event.point, crack) if self.lengths.by_path else math.inf
         line, rising = self.part.tips[event.tip], u_c >= self.history.u
         return self.lengths.along(line, has_grown, event.direction, room, rising)
-
-    def _ended(self) -> Outcome | None:
-        """What a part is whose crack has just run into something."""
-        if len(self.part.pieces) == 1:
-            return None
-        near = 2 * self.part.tolerance
-        if sum(is_carried(piece, self.loading, near) for piece in self.part.pieces) < 2:
-            return Outcome.LOOSE
-        self.history.last_stiffness = 0.0
-        return Outcome.SEVERED

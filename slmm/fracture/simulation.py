@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slmm.fracture.boundary_engine import BoundaryEngine
-from slmm.fracture.directions import DIRECTIONS
+from slmm.fracture.directions import direction_of
 from slmm.fracture.engine import Engine, Rules
 from slmm.fracture.fem_engine import FemEngine
 from slmm.fracture.first_cracks import INITIATIONS
@@ -48,6 +48,7 @@ def simulate(
     tolerance: float = 0.01,
     *,
     direction: str = "MTS",
+    critical_distance: float | None = None,
     first_length: float | None = None,
     largest_displacement: float | None = None,
     at_least: float = 0.0,
@@ -80,9 +81,12 @@ def simulate(
         take some ten times as long and do not hold faces of cracks apart.
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
-    direction : {"MTS", "MERR", "local symmetry", "J"}
-        Which way cracks grow: largest tangential stress, largest energy release rate, no mode II, or along the vector
-        J.
+    direction : {"MTS", "MERR", "local symmetry", "J", "GMTS"}
+        Which way cracks grow: largest tangential stress, largest energy release rate, no mode II, along the vector J,
+        or the largest tangential stress at a distance from the tip, where the stress T along the crack counts, too. At
+        which load they grow is Griffith's criterion in any case.
+    critical_distance : float, optional
+        That distance r_c of "GMTS", mm; the material's (K_Ic/sigma_c)^2/(2 pi) if not given.
     first_length : float, optional
         Of a crack that starts, mm, where its criterion does not say it; an increment if not given.
     largest_displacement : float, optional
@@ -137,8 +141,7 @@ def simulate(
         raise ValueError(
             f"initiation = {initiation!r}: engine fem knows 'point' alone; take the engine 'boundary' for it"
         )
-    if direction not in DIRECTIONS:
-        raise ValueError(f"direction = {direction!r}: must be one of {', '.join(DIRECTIONS)}")
+    way = direction_of(direction, scene.material, critical_distance)
     for name, value in (("tolerance", tolerance), ("largest_displacement", largest_displacement)):
         if value is not None and not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: must be a positive number")
@@ -162,11 +165,12 @@ def simulate(
         "look_ahead": lengths.ahead,
         "initiation": initiation,
         "direction": direction,
+        **({"critical_distance": way.distance} if way.asks_for_T else {}),
         "engine": engine,
         "tolerance": tolerance,
     }
     largest = largest_displacement or math.inf
-    rules = Rules(DIRECTIONS[direction], INITIATIONS[initiation](scene))
+    rules = Rules(way, INITIATIONS[initiation](scene))
     process = Process(scene, solver, rules, lengths, largest, errors, at_least)
     asked = {"at_least": at_least} if at_least else {}
     run = run_of(scene, {**settings, "largest_displacement": largest_displacement, **asked, "errors": errors})
@@ -176,4 +180,4 @@ def simulate(
     ):
         process.run(progress, opened)
     made_with = {**settings, **solver.described}
-    return fracture_result(scene, process.part, process.history, made_with, process.reached)
+    return fracture_result(scene, process, way, made_with)

@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
+from scipy.signal import find_peaks
 
 from slmm.boundary.contour import Places
 from slmm.fracture.exclusion import Exclusion, held, mouths
@@ -27,6 +28,11 @@ BETWEEN = 1.1
 SOUGHT, NARROWER = 7, 0.15
 #: peaks that are followed, at most: a uniform stress has one at every point; chosen
 MOST_PEAKS = 12
+#: of several maxima between two points each is a peak that comes so near to the highest one; chosen, so that ties of
+#: mirrored places are decided where all are known, and not by round-off here
+AS_HIGH = 1e-3
+#: and is parted from it by a dip so deep, over its height; round-off
+DIP = 1e-7
 #: halvings by which the end of a stretch is found between two points, to the last digits of its place
 HALVINGS = 40
 #: places that are so near to the end of a stretch, over the stretch that was looked at, are the end; round-off
@@ -188,19 +194,23 @@ def _bracket(sampled: Sampled, k: int, exclusion: Exclusion) -> Bracket:
 
 
 def _followed(brackets: Sequence[Bracket], stress_below: StressBelow, exclusion: Exclusion) -> list[Site]:
-    """The peaks within brackets."""
-    curves = [bracket.curve for bracket in brackets]
+    """The peaks within brackets, of which one may have several."""
     low, high = np.array([[bracket.low, bracket.high] for bracket in brackets]).T
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     x = chebyshev.chebpts1(SOUGHT)
     fine = np.linspace(-1.0, 1.0, 401)
     to_fine = chebyshev.chebvander(fine, SOUGHT - 1) @ np.linalg.inv(chebyshev.chebvander(x, SOUGHT - 1))
-    for width in (half, NARROWER * half):
-        middle = np.clip(middle, low + width, high - width)
-        ways = middle[:, None] + width[:, None] * x
-        where = _joined([curve.at(way) for curve, way in zip(curves, ways, strict=True)])
+    for width in (1.0, NARROWER):
+        middle = np.clip(middle, low + width * half, high - width * half)
+        ways = middle[:, None] + width * half[:, None] * x
+        where = _joined([bracket.curve.at(way) for bracket, way in zip(brackets, ways, strict=True)])
         value = stress_below(where).reshape(len(brackets), SOUGHT) @ to_fine.T
-        middle = middle + width * fine[value.argmax(axis=1)]
+        # in the second round there is one, or it was found as a peak of its own
+        number, at = _maxima(value) if width == 1.0 else (np.arange(len(value)), value.argmax(axis=1))
+        brackets, value = [brackets[k] for k in number], value[number]
+        low, high, middle, half = low[number], high[number], middle[number], half[number]
+        middle = middle + width * half * fine[at]
+    curves = [bracket.curve for bracket in brackets]
     ends = np.array([bracket.ends for bracket in brackets])
     near = np.column_stack([middle - low, high - middle]) <= AT_END * half[:, None]
     at_end = (ends & near).any(axis=1)
@@ -209,6 +219,20 @@ def _followed(brackets: Sequence[Bracket], stress_below: StressBelow, exclusion:
         Site(point, inward, int(hole), float(stress), exclusion.reason(point) if ended else "")
         for point, inward, hole, stress, ended in zip(*sites, value.max(axis=1), at_end, strict=True)
     ]
+
+
+def _maxima(value: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns of the highest value of each row (n, k), and of other maxima that come near to it."""
+    number, at = [], []
+    for k, row in enumerate(value):
+        top = int(row.argmax())
+        high = float(row[top])
+        others = find_peaks(row, height=high - AS_HIGH * abs(high), prominence=DIP * abs(high))[0].tolist()
+        between = [row[min(top, other) : max(top, other) + 1].min() for other in others]
+        own = [top, *(o for o, low in zip(others, between, strict=True) if low < high - DIP * abs(high))]
+        number += [k] * len(own)
+        at += own
+    return np.array(number), np.array(at)
 
 
 def _joined(places: Sequence[Places]) -> Places:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from slmm.boundary.model import BoundaryModel
+from slmm.boundary.panelling import Panelling
+from slmm.boundary.stretches import FINE, boundary_of
 from slmm.initiation.local_model import rasterised
 from slmm.initiation.uncracked import Raster
 
@@ -83,6 +85,13 @@ class LowerOrder:
     def resolution(self, points: np.ndarray) -> np.ndarray:
         """Size (k,) of the voxels that would resolve the displacements at points (k, 2) as well, mm."""
         return self.model.panel_length(points) / VOXELS_PER_PANEL
+
+
+def boundary_points(scene: Any) -> int:
+    """How many points on its boundary a scene needs."""
+    part = scene.part
+    side = float(np.ptp(part.outer, axis=0).min())
+    return Panelling(boundary_of(part, scene.loading), side, part.tolerance, FINE).first(ORDER).n
 
 
 def solve_boundary(scene: Any) -> BoundaryField:

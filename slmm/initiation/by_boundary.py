@@ -1,7 +1,8 @@
 """Method boundary: trial cracks in the part by boundary integrals, exact curves without a mesh.
 
-The part is factorised once, of two orders; each trial crack costs its own unknowns. What the lower order, with one
-length fewer between breaks, has differently tells the error.
+The part is factorised once, of two orders. At smooth surfaces all positions are one block of right-hand sides, and each
+crack has a system of its own; elsewhere, and where that is not enough, a trial crack is a border to the factorised
+part. What the lower order, with fewer places or lengths, has differently tells the error.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from slmm.boundary.model import BoundaryModel
+from slmm.boundary.part_corrections import Starts, tangents
+from slmm.boundary.surface_cracks import PLACES, SurfaceCracks
 from slmm.boundary.trial_cracks import SOLVED, TrialCracks
 from slmm.criteria.coupled import NONE
 from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
 from slmm.initiation.boundary_field import COVERED, BoundaryField, solve_boundary
-from slmm.initiation.paths import IN_LIGAMENT
+from slmm.initiation.paths import IN_LIGAMENT, Paths
 from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal_stress
 from slmm.mechanics.williams import singular_exponent
@@ -26,29 +29,171 @@ FLOOR = 1e-5
 #: trial cracks in a ligament reach so many of the part's tolerances at least, for the shortest of them is 1/247
 #: of the longest; round-off
 IN_TOLERANCES = 250.0
+#: an estimated error of G_inc, as a share, beyond which a crack is asked as a border, where the index is at least this
+#: share of the largest (both chosen)
+ENOUGH, MATTERS = 2e-3, 0.25
+#: why a position is none of a smooth surface's
+NO_CIRCLE = "another crack, or a corner or jump of the curvature within the crack's length"
+#: fewer places of the lower order
+FEWER = 1
+#: numbers of the closed forms that are kept at once: 64 MB (chosen)
+MOST_NUMBERS = 2_000_000
 
 
 def by_boundary(task: Task) -> Answer:
-    """Answer position by position, from one part that is factorised once."""
+    """Answer all positions from one part that is factorised once."""
     answer = Answer.empty(task.n, "boundary")
+    field = _field(task, answer)
+    if field is None:
+        return answer
+    _from_surfaces(field, task, answer)
+    left = _not_enough(answer)
+    for k, i in enumerate(left.tolist()):
+        if len(left) > 1:  # of a single one, whoever asks says where it stands
+            task.progress(k / len(left), f"trial cracks, position {k + 1} of {len(left)}")
+        _one_by_one(field, task, answer, i)
+    return answer
+
+
+def by_surfaces(task: Task) -> Answer:
+    """Answer what needs no crack as a border: positions on smooth surfaces, all at once."""
+    answer = Answer.empty(task.n, "boundary")
+    field = _field(task, answer)
+    if field is not None:
+        _from_surfaces(field, task, answer)
+        answer.status[answer.status == ""] = Status.NO_TRIAL.of(NO_CIRCLE)
+    return answer
+
+
+def by_borders(task: Task) -> Answer:
+    """Answer position by position, with cracks as borders alone."""
+    answer = Answer.empty(task.n, "boundary")
+    field = _field(task, answer)
+    if field is not None:
+        for i in range(task.n):
+            _one_by_one(field, task, answer, i)
+    return answer
+
+
+def _field(task: Task, answer: Answer) -> BoundaryField | None:
+    """The factorised part; the answer says why there is none."""
     task.progress(0.0, "boundary integrals")
+    answer.column("curvature")[:] = 0.5 * _bend(task)
     try:
-        field = task.solved.get("boundary") or solve_boundary(task.scene)
+        field: BoundaryField = task.solved.get("boundary") or solve_boundary(task.scene)
     except ValueError as error:
         answer.status[:] = Status.NO_TRIAL.of(error)
-        return answer
+        return None
     task.solved["boundary"] = field
-    for i in range(task.n):
-        if task.n > 1:  # of a single one, whoever asks says where it stands
-            task.progress(i / task.n, f"trial cracks, position {i + 1} of {task.n}")
-        for longest in dict.fromkeys((task.paths.longest[i], task.paths.lengthened().longest[i])):
-            if not _judged(field, task, answer, i, float(longest)):
-                break
+    answer.note(**field.described)
+    return field
+
+
+def _bend(task: Task) -> np.ndarray:
+    """Curvature (n,) of the surface at smooth positions, 1/mm."""
+    bend = np.full(task.n, np.nan)
     for k, outline in enumerate(task.scene.outlines):
         smooth = task.smooth & (task.where.hole == k)
-        answer.column("curvature")[smooth] = 0.5 * outline.curvatures(task.where.s[smooth])
-    answer.note(**field.described)
-    return answer
+        bend[smooth] = outline.curvatures(task.where.s[smooth])
+    return bend
+
+
+def _not_enough(answer: Answer) -> np.ndarray:
+    """Positions that need a closer look: without curves, or where the energy's error is too large for the index."""
+    has_value = answer.status == Status.OK
+    with np.errstate(divide="ignore"):
+        index = np.where(has_value, 1 / answer.load_factor, np.nan)
+    large = index >= MATTERS * np.nanmax(index, initial=0.0)
+    curves = answer.curves
+    away = np.abs(curves.a - np.nan_to_num(answer.crack_length)[:, None])
+    at = np.nan_to_num(away, nan=np.inf).argmin(axis=1)
+    uncertain = large & (curves.G_error[np.arange(len(at)), at] > ENOUGH)
+    settled = has_value | np.isin(answer.status, (Status.CLOSES, Status.BEYOND_PATH))
+    return np.flatnonzero(~settled | uncertain)
+
+
+def _from_surfaces(field: BoundaryField, task: Task, answer: Answer) -> None:
+    """Fill the rows at smooth surfaces for which a circle stands."""
+    if task.scene.part.cracks:
+        return
+    bend, normal = _bend(task), np.full((task.n, 2), np.nan)
+    rows = np.flatnonzero(np.isfinite(bend))
+    for k, outline in enumerate(task.scene.outlines):
+        on_k = rows[task.where.hole[rows] == k]
+        normal[on_k] = outline.normals(task.where.s[on_k])
+    at_once = max(1, MOST_NUMBERS // (field.model.panels.n * 2 * PLACES))
+    for paths in (task.paths, task.paths.lengthened()):
+        for of in np.array_split(rows, -(-len(rows) // at_once)) if len(rows) else []:
+            _judged_at_once(field, task, answer, of, paths, bend[of], _complex(normal[of]))
+        rows = rows[answer.status[rows] == Status.BEYOND_PATH]
+
+
+def _complex(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (k, 2) as complex numbers (k,)."""
+    return np.asarray(vectors[:, 0] + 1j * vectors[:, 1])
+
+
+def _judged_at_once(
+    field: BoundaryField,
+    task: Task,
+    answer: Answer,
+    rows: np.ndarray,
+    paths: Paths,
+    bend: np.ndarray,
+    normal: np.ndarray,
+) -> None:
+    """Fill some rows by cracks along their paths."""
+    starts = Starts(
+        _complex(paths.start[rows]), _complex(paths.direction[rows]), normal, bend, paths.longest[rows]
+    )
+    stand = tangents(field.model, starts)
+    known = np.array([tangent is not None for tangent in stand], dtype=bool)
+    if not known.any():
+        return
+    rows, starts = rows[known], Starts(*(values[known] for values in starts))
+    found = [tangent for tangent in stand if tangent is not None]
+    a = path_points(starts.longest)
+    by_order = [
+        SurfaceCracks(model, starts, found, places)
+        for model, places in ((field.model, PLACES), (field.lower, PLACES - FEWER))
+    ]
+    sigma, low = (principal_stress(cracks.stress(a).reshape(-1, 3)).reshape(a.shape) for cracks in by_order)
+    sigma_error = _relative(sigma, low)
+    G, lower = (cracks.incremental(a) for cracks in by_order)
+    scale = np.abs(G / np.maximum(a, 1e-300)).max(axis=1, keepdims=True) * a
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = COVERED * np.abs(G - lower) + by_order[0].tail[:, None] * scale
+        G_error = FLOOR + np.where(G > 0, off / G, 0.0)
+    # without tension anywhere on the path nothing starts there
+    free = sigma.max(axis=1) <= 0
+    G[free] = G_error[free] = 0.0
+    answer.judge(rows, PathCurves(a, G, sigma, G_error, sigma_error), task, Status.BEYOND_PATH)
+    K, lengths = by_order[0].K, by_order[0].lengths
+    _refuse_closed(answer, rows[~free], K[~free], lengths[~free])
+
+
+def _refuse_closed(answer: Answer, rows: np.ndarray, K: np.ndarray, lengths: np.ndarray) -> None:
+    """Take values back where a crack up to the critical length closes; K (k, n, 2) at lengths (k, n), mm."""
+    has_value = (answer.status[rows] == Status.OK) & np.isfinite(answer.load_factor[rows])
+    reached = lengths <= np.nan_to_num(answer.crack_length[rows], nan=np.inf)[:, None]
+    closes = np.any(reached & (K[..., 0] < -CLOSED * np.abs(K).max(axis=(1, 2))[:, None]), axis=1)
+    for i in rows[has_value & closes]:
+        answer.load_factor[i] = answer.crack_length[i] = answer.error[i] = np.nan
+        answer.governed_by[i], answer.status[i] = NONE, Status.CLOSES
+
+
+def _relative(high: np.ndarray, low: np.ndarray) -> np.ndarray:
+    """Relative error of stresses (..., k) along paths, by those of the lower order, MPa."""
+    error = FLOOR * np.abs(high).max(axis=-1, keepdims=True) + COVERED * np.abs(high - low)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(high != 0, error / np.abs(high), 0.0)
+
+
+def _one_by_one(field: BoundaryField, task: Task, answer: Answer, i: int) -> None:
+    """Fill one row by cracks as borders, with the usual path, and then a longer one."""
+    for longest in dict.fromkeys((task.paths.longest[i], task.paths.lengthened().longest[i])):
+        if not _judged(field, task, answer, i, float(longest)):
+            break
 
 
 def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: float) -> bool:
@@ -79,12 +224,7 @@ def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: f
         G_error = FLOOR + COVERED * np.where(G > 0, np.abs(G - lower) / G, 0.0)
     curves = PathCurves(a, G[None], sigma[None], G_error[None], sigma_error[None])
     answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
-    K = trials[0].K
-    if answer.status[i] == Status.OK and np.isfinite(answer.load_factor[i]):
-        reached = trials[0].lengths <= np.nan_to_num(answer.crack_length[i], nan=longest)
-        if np.any(K[reached, 0] < -CLOSED * np.abs(K).max()):
-            answer.load_factor[i] = answer.crack_length[i] = answer.error[i] = np.nan
-            answer.governed_by[i], answer.status[i] = NONE, Status.CLOSES
+    _refuse_closed(answer, np.array([i]), trials[0].K[None], trials[0].lengths[None])
     return str(answer.status[i]) == Status.BEYOND_PATH
 
 
@@ -108,9 +248,7 @@ def _principal(field: BoundaryField, points: np.ndarray, singular: bool) -> tupl
     if singular:
         points = np.concatenate([points[1:2], points[1:]])
     high, low = (principal_stress(model.stress(points)) for model in (field.model, field.lower))
-    error = FLOOR * np.abs(high).max() + COVERED * np.abs(high - low)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(high != 0, error / np.abs(high), 0.0)
+    relative = _relative(high, low)
     if singular:
         high[0], relative[0] = np.inf, 0.0
     return high, relative

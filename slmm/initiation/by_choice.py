@@ -1,10 +1,11 @@
 """Method auto: for every position the cheapest method whose own estimate meets the tolerance.
 
-In order of their cost: the strength alone, where any critical crack is so short that the stress hardly falls along
-it; a crack cell on voxels; the asymptotics of corners and crack tips; dislocations in a body-fitted model of the part;
-a model with a slit for the position. Without a mesher trial cracks by boundary integrals stand for the last three. Each
-method is asked only at the positions that those before could not settle, and the result says what was used where, and
-why.
+In order of their cost: trial cracks from smooth surfaces, all at once; at corners, crack tips and wherever else these
+leave more than the tolerance a trial crack for the position; and a model with a slit for it, where there is a mesher.
+Parts with so many outlines that boundary integrals cost more go another way: the strength alone, where any critical
+crack is so short that the stress hardly falls along it; a crack cell on voxels; the asymptotics of corners and crack
+tips; dislocations in a body-fitted model of the part. Each method is asked only at the positions that those before
+could not settle, and the result says what was used where, and why.
 
 The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
 of indices below a quarter of the largest it is the tolerance of that quarter. Where nothing is under tension, and all
@@ -33,6 +34,8 @@ from slmm.initiation.cell_errors import reference_stress
 from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
 
+#: with more points on its boundary than this a part by boundary integrals is dear; chosen
+POINTS_AFFORDED = 3000
 #: with more voxels than this a body-fitted model is cheaper; chosen
 VOXELS_AFFORDED = 700**2
 
@@ -57,24 +60,54 @@ NOTHING_CLOSER = "no method comes closer"
 def by_choice(task: Task) -> Answer:
     """Answer of the cheapest sufficient method for each position."""
     choice = _Choice(task)
+    if task.displacements is not None:
+        choice.ask("crack cell", _cells_or_strength, choice.open)
+        return choice.explained(GIVEN)
     has_fea = find_spec("netgen") is not None
-    voxels = voxel_count(task) if task.displacements is None and task.scene.outlines else 0
+    if points_afforded(task):
+        from slmm.initiation.by_boundary import by_borders, by_surfaces
+
+        choice.ask("trial cracks at once", by_surfaces, choice.open)
+        choice.settle_negligible()
+        choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_borders(task), choice.open)
+    else:
+        _many_outlines(choice, has_fea)
+    if not has_fea:
+        return choice.explained(NO_FEA)
+    from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
+
+    choice.settle_negligible()
+    choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
+    return choice.explained(NOTHING_CLOSER)
+
+
+def points_afforded(task: Task) -> bool:
+    """Whether boundary integrals of the part are cheap."""
+    from slmm.initiation.boundary_field import boundary_points
+
+    try:
+        return "boundary" in task.solved or boundary_points(task.scene) <= POINTS_AFFORDED
+    except ValueError:
+        return False
+
+
+def _many_outlines(choice: _Choice, has_fea: bool) -> None:
+    """Ask what costs less where boundary integrals are dear."""
+    task = choice.task
+    voxels = voxel_count(task) if task.scene.outlines else 0
     if voxels <= VOXELS_AFFORDED or not has_fea:
         choice.ask("crack cell", _cells_or_strength, choice.open)
     else:
         choice.pass_over(choice.open[task.smooth], MANY_VOXELS.format(voxels))
-    if task.displacements is not None:
-        return choice.explained(GIVEN)
     if not has_fea:
         from slmm.initiation.by_boundary import by_boundary
 
         choice.settle_negligible()
         choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_boundary(task), choice.open)
-        return choice.explained(NO_FEA)
+        return
     # these import the finite element libraries
     from slmm.initiation.by_asymptotics import by_asymptotics
     from slmm.initiation.by_dislocations import by_dislocations
-    from slmm.initiation.by_full_fea import by_full_fea
 
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
@@ -85,8 +118,6 @@ def by_choice(task: Task) -> Answer:
     choice.settle_negligible()
     left = choice.open
     choice.ask("asymptotics", by_asymptotics, left[task.smooth[left]])
-    choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
-    return choice.explained(NOTHING_CLOSER)
 
 
 class _Choice:

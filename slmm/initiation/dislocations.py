@@ -28,7 +28,7 @@ from slmm.initiation.dislocation_energy import Bend, one_degree_less, released
 from slmm.initiation.face_compliance import LONGEST, face_compliance
 from slmm.initiation.surroundings import DIPOLES, Boundary, Trial, answers_of_surroundings
 from slmm.mechanics.richardson import extrapolated
-from slmm.part.part import OUTLINE_SAMPLES
+from slmm.part.chords import chords
 
 #: from so many positions on a model is condensed to its boundary; measured: the costs are then equal
 MANY = 16
@@ -204,7 +204,7 @@ def _ends(scene: Any) -> np.ndarray:
     """Where notches leave a part, (n, 2), mm: of a plate, vertices on its edges that are none of its corners."""
     part = scene.part
     if part.rim is not None:
-        rings = [shapely.LinearRing(hole.polygon(OUTLINE_SAMPLES)) for hole in part.holes]
+        rings = [shapely.LinearRing(chords(hole)) for hole in part.holes]
         crossings = shapely.union_all(rings).intersection(scene.outer.exterior)
         return np.asarray(shapely.get_coordinates(crossings))
     vertices, size = np.unique(shapely.get_coordinates(part.body), axis=0), part.box[1]

@@ -30,6 +30,8 @@ from slmm.scene.scene import Scene
 if TYPE_CHECKING:
     import xarray as xr
 
+    from slmm.mechanics.material import Material
+
 #: times that positions are added where the index is largest; chosen
 ROUNDS = 4
 
@@ -37,7 +39,7 @@ SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
 
 def failure_indices(
-    scene: Scene,
+    scene: Scene | None = None,
     method: str | None = None,
     positions: int | None = None,
     curves: bool = False,
@@ -49,13 +51,15 @@ def failure_indices(
     progress: Progress = silent,
     field: str | None = None,
     criterion: str | None = None,
+    model: Any = None,
+    material: Material | str | None = None,
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
     Parameters
     ----------
-    scene : Scene
-        Plate, notches, material, load.
+    scene : Scene, optional
+        Plate, notches, material, load; or else a ``model`` and a ``material``.
     method : str, optional
         One of `METHODS`: a strength criterion ("rankine", "mises"), a critical distance ("point", "line"), or the
         coupled criterion on crack cells ("slmm", "slmm+ac"), at corners, round V-notches and crack tips by matched
@@ -89,6 +93,11 @@ def failure_indices(
     criterion : str, optional
         One of `CRITERIA` ("rankine", "point", "line", "griffith") in place of the coupled one, on what a method finds
         that is no criterion itself: ("dislocations", criterion="point"). By default what the scene asks for.
+    model : path, DisplacementField or (points, cells, u), optional
+        A solved finite element model of a part without cracks, in place of a scene: outlines and load follow from it,
+        see `slmm.initiation.solved_scene`. The method is then "boundary", unless another one is given.
+    material : Material or str, optional
+        Of the model, or its name.
 
     Returns
     -------
@@ -120,6 +129,18 @@ def failure_indices(
     >>> round(float(result.failure_index[0]), 1)
     9.3
     """
+    if (scene is None) == (model is None):
+        raise ValueError(
+            "failure_indices: takes a scene or a model, " + ("one" if scene is None else "not both")
+        )
+    if scene is None:
+        if material is None:
+            raise ValueError("failure_indices: a model needs its material")
+        from slmm.initiation.solved_scene import solved_scene  # imports the readers of result files
+
+        scene, field = solved_scene(model, material, field), None
+    elif material is not None:
+        raise ValueError("failure_indices: material belongs to a model; a scene has its own")
     return failure_arrays(
         scene,
         method,
@@ -196,6 +217,10 @@ def failure_arrays(
 
         # behind the method, which need not be dearer for what the picture of the notch leaves open
         add_outline_error(task, answer)
+    if scene.plate is None and scene.part_table is None:  # a `SolvedScene`
+        from slmm.initiation.solved_error import add_solved_error  # imports the kernels
+
+        add_solved_error(task, answer)
     bound = upper_bounds(task, answer)
     facts: dict[str, object] = {"method": method}
     if criterion is not None:

@@ -157,11 +157,13 @@ def given_field(
     return given
 
 
-def displacement_field(displacements: Any, field: str | None = None) -> tuple[DisplacementField, str]:
+def displacement_field(
+    displacements: Any, field: str | None = None, step: int = -1
+) -> tuple[DisplacementField, str]:
     """The field that a user gives in one of the forms of `given_field`, and where it comes from."""
     if isinstance(displacements, str | os.PathLike):
         path = os.fspath(displacements)
-        return read_displacements(path, field=field), os.path.basename(path)
+        return read_displacements(path, step, field), os.path.basename(path)
     if field is not None:
         raise ValueError(f"field = {field!r}: belongs to displacements from a file")
     if isinstance(displacements, tuple | list) and len(displacements) == 3:

@@ -25,6 +25,7 @@ UNITS = {
         "upper bound of the failure index: value and error, or strength; inf where unknown",
     ),
     "outline_error": ("1", "part of its relative error that the picture of the notch leaves open"),
+    "model_error": ("1", "part of its relative error that the finite element results leave open"),
     "load_factor": ("1", "factor on the load at which a crack starts"),
     "crack_length": ("mm", "length with which the crack starts"),
     "governed_by": ("1", "condition that decides the load"),

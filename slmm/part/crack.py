@@ -10,12 +10,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from slmm.part.chords import OFF
 from slmm.part.outline import Outline
 
 Array = NDArray[np.float64]
 
-#: chords of an outline are this far off it at most, as a share of its length (2000 chords, a circle); computed
-CHORDS = 1e-6
 #: points as near to an outline lie on it, as a share of its length; round-off
 SAME = 1e-12
 
@@ -130,7 +129,7 @@ def surface_at(
 ) -> tuple[End, Array]:
     """What surface a point (2,) lies on (a tip: on none), and where exactly, mm."""
     for k, hole in enumerate(holes):
-        near = tolerance + CHORDS * hole.length
+        near = tolerance + OFF * hole.length
         low, high = hole.box
         if ((point < low - near) | (point > high + near)).any():
             continue

@@ -199,7 +199,7 @@ class Outline:
     @cached_property
     def _samples(self) -> tuple[Array, Array, Array, cKDTree]:
         """Arc lengths, how far down and up from each a nearest point is sought, and the tree of their points."""
-        s = self._along(max(2000, 2 * (len(self.breaks) - 1)))
+        s = self.arc_lengths(max(2000, 2 * (len(self.breaks) - 1)))
         if self._is_even:
             step = self.length / len(s)
             return s, s - step, s + step, cKDTree(self.points(s))
@@ -321,10 +321,10 @@ class Outline:
         corner is one of them (there are more than n points only if there are more than n corners); the others
         follow half the length and half the bends, so that a small arc between long sides has its share.
         """
-        return self.points(self._along(n))
+        return self.points(self.arc_lengths(n))
 
-    def _along(self, n: int) -> Array:
-        """Arc lengths (n,) of the points of a polygon, ascending."""
+    def arc_lengths(self, n: int) -> Array:
+        """Arc lengths (n,) of the points of a `polygon`, ascending, mm."""
         if self._is_even:
             return np.linspace(0.0, self.length, n, endpoint=False)
         # the breaks are dense where the outline bends

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from slmm.part.chords import chords
 from slmm.part.crack import TIP, Crack, End, joined, located, surface_at, touched
 from slmm.part.outline import Outline
 
@@ -17,8 +18,6 @@ Array = NDArray[np.float64]
 
 #: lengths below this share of the part's larger side count as zero; chosen
 TOLERANCE = 1e-5
-#: straight pieces that stand for an outline in the plane geometry (crossings, gaps), at least; chosen
-OUTLINE_SAMPLES = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +71,7 @@ class Part:
         (1.0, 2)
         """
         rim = outline.reversed()
-        whole = cls(rim.polygon(OUTLINE_SAMPLES)[::-1], tuple(holes), (), thickness, rim)
+        whole = cls(chords(rim)[::-1], tuple(holes), (), thickness, rim)
         return whole.with_cracks(cracks) if len(cracks) else whole
 
     @classmethod
@@ -121,14 +120,14 @@ class Part:
 
     @cached_property
     def body(self) -> shapely.Polygon:
-        """The part without its holes, as a polygon; each outline has at least `OUTLINE_SAMPLES` chords.
+        """The part without its holes, as a polygon; each outline by its `slmm.part.chords.chords`.
 
         Raises
         ------
         ValueError
             When the holes cut it in pieces or leave nothing of it.
         """
-        notches = [shapely.Polygon(hole.polygon(OUTLINE_SAMPLES)) for hole in self.holes]
+        notches = [shapely.Polygon(chords(hole)) for hole in self.holes]
         body = shapely.Polygon(self.outer).difference(shapely.union_all(notches))
         if body.geom_type != "Polygon" or body.is_empty:
             (left, bottom), (right, top) = self.box

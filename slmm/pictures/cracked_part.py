@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 STEP_COLOURS = "viridis"
 #: room around the part over its size, the light grey of the material and the dark one of its edges
 MARGIN, MATERIAL, EDGE = 0.03, "0.92", "0.35"
+#: places as near, over their coordinates, are one
+ROUND_OFF = 1e-9
 
 
 def step_scale(result: xr.Dataset) -> Normalize:
@@ -76,10 +78,12 @@ def draw_numbers(
     """Numbers of the cracks that move, where they begin to; in an open part between their faces."""
     for k in first_steps(result):
         crack, at = int(result.tip[k]), np.array(_begin(result, k))
-        if state is not None and crack < len(state.faces):
-            faces = state.faces[crack]
-            near = np.linalg.norm(faces.points - at, axis=1).argmin()
-            at = at + magnified * 0.5 * (faces.left + faces.right)[near]
+        # cracks that went with a loose piece have no faces: the place tells whose they are
+        for faces in [] if state is None else state.faces:
+            away = np.linalg.norm(faces.points - at, axis=1)
+            if away.min() <= ROUND_OFF * np.abs(at).max():
+                at = at + magnified * 0.5 * (faces.left + faces.right)[away.argmin()]
+                break
         axes.annotate(
             str(crack),
             tuple(at),

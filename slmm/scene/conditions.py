@@ -269,7 +269,7 @@ def _meet(one: _Placed, other: _Placed, near: float) -> bool:
 
 def _balance(placed: list[_Placed]) -> list[str]:
     """Nothing that loads, or motions that are free and loads that do not balance."""
-    moved = [c for p in placed for c in p.condition.displacement if c is not None and any(c)]
+    moved = [c for p in placed for c in p.condition.displacement if c not in (None, Affine())]
     bodies = Loading(tuple(p.condition for p in placed)).stiff
     acts = any(p.condition.is_loaded for p in placed) or any(any(body.force) for body in bodies)
     if not moved and not acts:

@@ -14,8 +14,9 @@ from shapely.validation import explain_validity
 
 from slmm.mechanics.material import Material
 from slmm.part.checks import crack_problems, edges_of, hole_problems, overlaps_united, position_problems
+from slmm.part.chords import chords
 from slmm.part.outline import Outline
-from slmm.part.part import OUTLINE_SAMPLES, Part
+from slmm.part.part import Part
 from slmm.running.input_file import shown
 from slmm.scene.conditions import Boundary, general_loading
 from slmm.scene.errors import SceneError, problems_of
@@ -81,7 +82,7 @@ class Scene(Table):
         return cls._validated(tables, {"folder": Path(folder)})
 
     @classmethod
-    def _validated(cls, tables: Mapping[str, Any], context: dict[str, Any]) -> Scene:
+    def _validated(cls, tables: Mapping[str, Any], context: dict[str, Any]) -> Self:
         try:
             return cls.model_validate(dict(tables), context=context)
         except ValidationError as error:
@@ -112,7 +113,7 @@ class Scene(Table):
         if self.plate is not None:
             return Part.plate(self.plate.width, self.plate.height, holes, (), self.plate.thickness)
         assert self.part_table is not None and self._rim is not None
-        corners = self._rim.polygon(OUTLINE_SAMPLES)[::-1]
+        corners = chords(self._rim)[::-1]
         return Part(corners, holes, (), self.part_table.thickness, self._rim)
 
     @cached_property
@@ -132,7 +133,7 @@ class Scene(Table):
         if self.plate is not None:
             return shapely.box(0.0, 0.0, self.plate.width, self.plate.height)
         assert self._rim is not None
-        return shapely.Polygon(self._rim.polygon(OUTLINE_SAMPLES)[::-1])
+        return shapely.Polygon(chords(self._rim)[::-1])
 
     @property
     def box(self) -> np.ndarray:
@@ -242,14 +243,7 @@ class Scene(Table):
         SceneError
             As `from_dict`.
         """
-        tables = self.model_dump(by_alias=True, exclude_unset=True)
-        for key, change in changes.items():
-            old = tables.get(key)
-            if not (isinstance(old, dict) and isinstance(change, Mapping)):
-                tables[key] = change
-                continue
-            given_way = {other for new in change for other in _EXCLUDES.get((key, new), ())} - set(change)
-            tables[key] = {**{k: v for k, v in old.items() if k not in given_way}, **change}
+        tables = self._changed(changes)
         for new, old_load in (("load", "boundary"), ("boundary", "load")):
             if new in changes and old_load not in changes:
                 tables.pop(old_load, None)
@@ -260,6 +254,18 @@ class Scene(Table):
         if not {"plate", "part", "holes"} & set(changes):
             context["geometry_of"] = self
         return self._validated(tables, context)
+
+    def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Its tables with changes key by key."""
+        tables = self.model_dump(by_alias=True, exclude_unset=True)
+        for key, change in changes.items():
+            old = tables.get(key)
+            if not (isinstance(old, dict) and isinstance(change, Mapping)):
+                tables[key] = change
+                continue
+            given_way = {other for new in change for other in _EXCLUDES.get((key, new), ())} - set(change)
+            tables[key] = {**{k: v for k, v in old.items() if k not in given_way}, **change}
+        return tables
 
 
 _LOADS = ("strain", "displacement", "stress")

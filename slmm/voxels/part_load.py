@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from slmm.mechanics.rigid import motions_about, unheld
 from slmm.part.part import Part
 from slmm.scene.load_checks import UNBALANCED
-from slmm.scene.loading import Affine, Condition, Loading, Stiff
+from slmm.scene.loading import Component, Condition, Loading, Stiff
 from slmm.voxels.grid import VoxelGrid
 
 Array = NDArray[np.float64]
@@ -163,6 +163,6 @@ def along(condition: Condition, part: Part, grid: VoxelGrid) -> tuple[Array, Arr
     return points, condition.outward(points), weight
 
 
-def _values(u: Affine | None, points: Array) -> Array:
+def _values(u: Component | None, points: Array) -> Array:
     """A component that is prescribed, at points (n, 2), or zeros."""
     return np.zeros(len(points)) if u is None else u(points)

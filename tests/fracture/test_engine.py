@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 
 from slmm.fracture.boundary_engine import BoundaryEngine
+from slmm.fracture.directions import Direction
 from slmm.fracture.engine import Rules, competing_events, growth_load, unloaded
 from slmm.fracture.events import COMPETING, Event, Kind
 from slmm.fracture.fem_engine import FemEngine
 from slmm.fracture.first_cracks import point_method
-from slmm.fracture.kinking import maximum_tangential_stress
 from slmm.scene.gallery import tensile_plate
 from slmm.scene.scene import Scene
 
 SCENE = tensile_plate(cracks=[{"points": [[20.0, 40.0], [40.0, 40.0]]}])
 PART, PMMA = SCENE.part, SCENE.material
+MTS, NO_T = Direction("MTS"), np.full(2, np.nan)
 
 
 def test_a_tip_grows_where_G_is_critical():
@@ -24,9 +25,7 @@ def test_a_tip_grows_where_G_is_critical():
 
 def test_closed_tips_slide_and_those_without_load_do_not_grow():
     K = np.array([[30.0, 5.0], [-1.0, 62.0]])
-    opens, closed = competing_events(
-        PART, K, np.array([1.0, 1.0]), lambda load: [], PMMA, maximum_tangential_stress
-    )
+    opens, closed = competing_events(PART, K, NO_T, np.array([1.0, 1.0]), lambda load: [], PMMA, MTS)
     assert opens.tip == 0 and opens.K == (30.0, 5.0)
     assert closed.tip == 1 and closed.K == (0.0, 62.0)
     assert closed.load == pytest.approx(growth_load(np.array([0.0, 62.0]), PMMA))
@@ -34,7 +33,7 @@ def test_closed_tips_slide_and_those_without_load_do_not_grow():
     turn = np.degrees(np.arccos(closed.direction @ along / np.linalg.norm(along)))
     assert turn == pytest.approx(np.degrees(np.arccos(1 / 3)), abs=1e-6)  # 70.5 degrees, pure mode II
     K = np.array([[0.5, 0.5], [-1.0, 0.2]])
-    assert not competing_events(PART, K, np.ones(2), lambda load: [], PMMA, maximum_tangential_stress)
+    assert not competing_events(PART, K, NO_T, np.ones(2), lambda load: [], PMMA, MTS)
 
 
 def test_surfaces_are_asked_for_what_competes_with_the_tips():
@@ -45,23 +44,23 @@ def test_surfaces_are_asked_for_what_competes_with_the_tips():
         return [Event(load, Kind.START, np.zeros(2), np.array([1.0, 0.0]))]
 
     K = np.array([[30.0, 0.0], [20.0, 0.0]])
-    events = competing_events(PART, K, np.zeros(2), first_cracks, PMMA, maximum_tangential_stress)
+    events = competing_events(PART, K, NO_T, np.zeros(2), first_cracks, PMMA, MTS)
     lowest = min(event.load for event in events)
     assert [event.kind for event in events] == [Kind.GROWTH, Kind.GROWTH, Kind.START]
     assert events[-1].load == pytest.approx(lowest * (1 + COMPETING))
-    competing_events(PART, np.zeros((2, 2)), np.zeros(2), first_cracks, PMMA, maximum_tangential_stress)
+    competing_events(PART, np.zeros((2, 2)), NO_T, np.zeros(2), first_cracks, PMMA, MTS)
     assert asked[1] == np.inf  # nothing else is in question
 
 
 def test_excluded_starts_are_told_where_they_would_come_first():
     K = np.array([[30.0, 0.0], [0.0, 0.0]])
-    [tip] = competing_events(PART, K, np.zeros(2), lambda load: [], PMMA, maximum_tangential_stress)
+    [tip] = competing_events(PART, K, NO_T, np.zeros(2), lambda load: [], PMMA, MTS)
 
     def excluded(load):
         at, along = np.zeros(2), np.array([1.0, 0.0])
         return [Event(share * tip.load, Kind.START, at, along, excluded="why") for share in (0.9, 1.0, 1.004)]
 
-    events = competing_events(PART, K, np.zeros(2), excluded, PMMA, maximum_tangential_stress)
+    events = competing_events(PART, K, NO_T, np.zeros(2), excluded, PMMA, MTS)
     assert [event.excluded for event in events] == ["", "why"]
     assert events[1].load == 0.9 * tip.load
 
@@ -118,7 +117,7 @@ def _events_of_both(scene):
     )
     assert other.work == pytest.approx(one.work, rel=2e-3)
     assert other.touches is one.touches is False
-    rules = Rules(maximum_tangential_stress, point_method)
+    rules = Rules(MTS, point_method)
     return [state.events(rules) for state in (one, other)]
 
 
@@ -137,3 +136,29 @@ def _compared(scene, off):
     # a stress that is 3e-4 off moves its peak along the hole by 0.015 rad, as 1 - 4/3 angle^2 falls there
     assert found.point == pytest.approx(expected.point, abs=0.12)
     assert found.direction == pytest.approx(expected.direction, abs=0.015)
+
+
+@pytest.mark.parametrize("r_c", [0.05, 0.2])
+def test_T_turns_tips_by_the_generalised_criterion_and_leaves_their_load(r_c):
+    """An inclined crack: the same event but for its direction, which T turns."""
+    scene = tensile_plate(cracks=[{"points": [[30.0, 30.0], [50.0, 50.0]]}])
+    state = BoundaryEngine(scene.material, scene.loading, 1e-4).solve(scene.part)
+    plain, bent = (state.events(Rules(way, point_method))[0] for way in (MTS, Direction("GMTS", r_c)))
+    assert np.isnan(plain.T) and pytest.approx(state.model.t_stresses()[0]) == bent.T
+    assert (bent.load, bent.K) == (plain.load, plain.K)
+    along = scene.part.tips[0][-1] - scene.part.tips[0][-2]
+    kink = [np.angle((d @ [1, 1j]) / (along @ [1, 1j])) for d in (plain.direction, bent.direction)]
+    expected = Direction("GMTS", r_c).angle(*plain.K, bent.T)
+    assert kink == pytest.approx([MTS.angle(*plain.K, np.nan), expected])
+
+
+def test_both_engines_turn_by_T_alike():
+    pytest.importorskip("netgen")
+    scene = tensile_plate(cracks=[{"points": [[30.0, 30.0], [50.0, 50.0]]}])
+    rules = Rules(Direction("GMTS", 0.2), point_method)
+    one, other = (
+        engine(scene.material, scene.loading, 0.01).solve(scene.part).events(rules)[0]
+        for engine in (BoundaryEngine, FemEngine)
+    )
+    assert pytest.approx(one.T, rel=0.02) == other.T
+    assert other.direction == pytest.approx(one.direction, abs=0.01)

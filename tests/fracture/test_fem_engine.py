@@ -9,13 +9,13 @@ from slmm.boundary.model import BoundaryModel
 from slmm.fem.triangulation import MesherError
 from slmm.fracture import fem_engine, simulate
 from slmm.fracture.configurational_forces import forces_within, nodal_configurational_forces
+from slmm.fracture.directions import Direction
 from slmm.fracture.engine import Rules
 from slmm.fracture.events import Kind
 from slmm.fracture.fem_engine import FemEngine
 from slmm.fracture.fem_mesh import clear_radii
 from slmm.fracture.first_cracks import point_method
 from slmm.fracture.history import Outcome
-from slmm.fracture.kinking import maximum_tangential_stress
 from slmm.scene.gallery import edge_crack, tensile_plate
 from slmm.scene.scene import Scene
 
@@ -86,7 +86,7 @@ def test_an_internal_crack_has_the_same_K_at_both_tips():
 
 def test_the_finer_mesh_tells_the_error():
     state = solved(BENT)
-    event = state.events(Rules(maximum_tangential_stress, point_method))[0]
+    event = state.events(Rules(Direction("MTS"), point_method))[0]
     assert event.kind is Kind.GROWTH
     model = BoundaryModel(BENT.part, BENT.material, BENT.loading, 10, 10)
     work, load = state.finer(event)
@@ -101,7 +101,7 @@ def test_faces_that_overlap_are_told():
     crack = [{"points": [[30.0, 30.0], [50.0, 50.0]]}]
     pressed = solved(tensile_plate(cracks=crack, load={"stress": -10.0}))
     assert pressed.touches
-    events = pressed.events(Rules(maximum_tangential_stress, point_method))
+    events = pressed.events(Rules(Direction("MTS"), point_method))
     assert all(event.kind is Kind.START or event.K[0] == 0.0 for event in events)
     assert not solved(tensile_plate(cracks=crack)).touches
 

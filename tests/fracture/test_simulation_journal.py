@@ -131,12 +131,10 @@ def test_other_ends_are_resumed_too(settings, tmp_path, solves):
         assert not solves or content is not lines
 
 
-def test_a_piece_that_comes_loose_is_told_after_a_stop_there(tmp_path, monkeypatch):
-    """And is not taken for severing."""
-    monkeypatch.setattr("slmm.fracture.process.is_carried", lambda *_: False)
+def test_what_severs_a_part_is_told_after_a_stop_there(tmp_path):
     path = tmp_path / "run.jsonl"
     result = simulate(plate(), INCREMENT, journal=path, errors=False)
-    assert result.attrs["outcome"] == Outcome.LOOSE
+    assert result.attrs["outcome"] == Outcome.SEVERED
     path.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[:-1]))
     again = simulate(plate(), INCREMENT, journal=path, resume=True, errors=False)
     xr.testing.assert_identical(again, result)

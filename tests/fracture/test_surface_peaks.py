@@ -122,3 +122,14 @@ def test_corners_that_point_into_the_material_count_until_a_crack_begins_there()
     assert (site.hole, site.stress) == (0, 7.0)
     cracked = scene.part.with_crack([(10.0, 60.0), (14.0, 60.0)])
     assert at_corners(cracked, scene.loading, stress, 0.1) == []
+
+
+@pytest.mark.parametrize("above", [1e-9, 0.0, -1e-9], ids=["one", "neither", "the other"])
+def test_of_two_equal_peaks_between_two_points_both_are_found_whichever_round_off_favours(above):
+    def stress(where):
+        angle = np.arctan2(where.points[:, 1], where.points[:, 0])
+        return 2 - 20 * (angle**2 - 0.15**2) ** 2 + above * angle
+
+    sites = at_peaks([around(Circle(), 12, stress)], stress, 1.0, EVERYWHERE)
+    assert sorted(np.arctan2(*site.point[::-1]) for site in sites) == pytest.approx([-0.15, 0.15], abs=2e-3)
+    assert [site.stress for site in sites] == pytest.approx([2.0, 2.0], rel=1e-6)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slmm import failure_indices
+from slmm.criteria.status import Status
 from slmm.initiation import by_choice
 from slmm.scene import gallery
 
@@ -57,8 +58,24 @@ def test_auto_without_a_mesher_has_values_where_cells_have_none(monkeypatch):
     assert np.isfinite(result.failure_index).all()
 
 
-def test_a_ligament_too_thin_for_trial_cracks_says_so():
+def test_a_thin_ligament_is_no_matter_of_the_parts_tolerance():
+    """No crack of it meets both conditions before it has gone through, as its curves say."""
     scene = gallery.two_holes(0.005)
     at = 50.0 - 0.0025
     result = failure_indices(scene.with_(analysis={"points": [[at, 50.0]]}), "boundary").isel(position=0)
-    assert str(result.status.values).startswith("no trial cracks: a ligament of 0.005 mm is too thin")
+    assert result.status == Status.BEYOND_PATH
+
+
+def test_a_ligament_too_thin_for_a_crack_from_a_corner_says_so():
+    at = [50.0, 50.0]
+    square = {
+        "shape": "rectangle",
+        "center": [42.93, 50.0],
+        "size": [10.0, 10.0],
+        "angle": 45.0,
+        "corner_radius": 0.0,
+    }
+    hole = {"shape": "circle", "center": [60.006, 50.0], "radius": 10.0}
+    scene = gallery.circular_hole(holes=[square, hole], analysis={"points": [at]})
+    result = failure_indices(scene, "boundary").isel(position=0)
+    assert "is too thin, at least" in str(result.status.values)

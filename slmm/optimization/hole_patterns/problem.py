@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slmm.fracture.first_cracks import INITIATIONS
-from slmm.fracture.history import Outcome
+from slmm.fracture.history import WHOLE, Outcome
 from slmm.fracture.simulation import ENGINES, simulate
 from slmm.optimization.checks import check_whole
 from slmm.optimization.hole_patterns.margins import margins
@@ -208,7 +208,7 @@ class HolePattern:
         Raises
         ------
         ValueError
-            When a simulation failed, with its reason.
+            When a simulation ended early, with its reason.
         """
         return self._of_directions(FIGURES["U_T"], design)
 
@@ -218,7 +218,7 @@ class HolePattern:
         Raises
         ------
         ValueError
-            When a simulation failed, with its reason.
+            When a simulation ended early, with its reason.
         """
         return self._of_directions(FIGURES[self.figure], design)
 
@@ -257,7 +257,7 @@ class HolePattern:
             at_least=at_least,
             errors=errors,
         )
-        if result.attrs["outcome"].startswith(Outcome.FAILED):
+        if result.attrs["outcome"] not in (*WHOLE, Outcome.SHORT):
             raise ValueError(result.attrs["outcome"])
         return result
 

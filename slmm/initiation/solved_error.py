@@ -1,0 +1,72 @@
+"""What finite element results leave open of a failure index, told from the same part by boundary integrals.
+
+A mesh makes a part too stiff. Moved at its supports and loads as the model was, the part itself takes less work; by as
+much a model under forces has moved too little. What the displacements inside differ by, besides, is of the elements,
+or of what no linear elastic part without body forces would do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from slmm.initiation.boundary_field import solve_boundary
+from slmm.initiation.solved_scene import SolvedScene
+from slmm.initiation.task import Answer, Task
+from slmm.mechanics.rigid import motions_about
+
+#: nodes at which displacements are compared; chosen
+COMPARED = 400
+#: displacements that differ by more, over those that deform the part, are not those of a linear elastic part: coarse
+#: linear elements leave a third of it (chosen on tests/initiation/test_solved_scene.py)
+NOT_ELASTIC = 0.15
+
+
+def add_solved_error(task: Task, answer: Answer) -> None:
+    """Add to the errors of an answer what the results of a `SolvedScene` leave open.
+
+    Raises
+    ------
+    ValueError
+        When they are not those of a linear elastic part without body forces.
+    """
+    scene = task.scene
+    assert isinstance(scene, SolvedScene)
+    if "boundary" not in task.solved:
+        task.solved["boundary"] = solve_boundary(scene)
+    model = task.solved["boundary"].model
+    surface = np.unique(np.concatenate([ring.nodes for ring in scene.rings]))
+    work = float((scene.surface.forces[surface] * scene.solved.u[surface]).sum())
+    stiffer = abs(work / model.work - 1)
+    differs = _differs(scene, model.displacement)
+    if differs > NOT_ELASTIC:
+        material = scene.material
+        raise ValueError(
+            f"{scene.title}: the displacements inside differ by {100 * differs:.2g} % from those of a linear elastic "
+            f"part with nu = {material.nu:g} in {material.state}, moved in the same way: is it plastic, heated, "
+            "under gravity, or of another material?"
+        )
+    error = max(stiffer, differs)
+    answer.column("model_error")[:] = error
+    infinite = np.isinf(answer.load_factor)
+    answer.error[~infinite] += error
+
+
+def _differs(scene: SolvedScene, displacement: Callable[[np.ndarray], np.ndarray]) -> float:
+    """By how much displacements at nodes inside differ, over those that deform the part; both without rigid motions."""
+    field = scene.solved
+    inside = np.unique(np.concatenate([nodes.ravel() for nodes in field.cells.values()]))
+    inside = np.setdiff1d(inside, np.concatenate([ring.nodes for ring in scene.rings]))
+    if not len(inside):
+        return 0.0
+    inside = inside[:: max(1, len(inside) // COMPARED)]
+    at = field.points[inside]
+    rigid = motions_about(at, at.mean(axis=0), scene.size).reshape(2 * len(at), 3)
+
+    def deforms(u: np.ndarray) -> np.ndarray:
+        return u.ravel() - rigid @ np.linalg.lstsq(rigid, u.ravel(), rcond=None)[0]
+
+    theirs = deforms(field.u[inside])
+    ours = deforms(displacement(at))
+    return float(np.linalg.norm(ours - theirs) / np.linalg.norm(ours))
