@@ -23,7 +23,7 @@ from hole_pattern_spaces import all_listed
 from slmm.optimization import Bound, Value, search
 from slmm.optimization.hole_patterns.listed import ListedPattern
 
-RUNS, QUICK_RUNS = 100, 10
+RUNS, QUICK_RUNS = 50, 5
 #: classes of equal designs from which on a space tells searches apart; chosen
 LARGE = 100
 PUBLISHED = "TBFSL(3, 3) from the solid plate"
@@ -68,6 +68,14 @@ class Recorded(ListedPattern):
     """A listed pattern that remembers which classes were asked for, in which order."""
 
     asked: dict[bytes, float] = field(default_factory=dict, repr=False, compare=False)
+    keys: dict[bytes, bytes] = field(default_factory=dict, repr=False, compare=False)
+
+    def key(self, design: np.ndarray) -> bytes:
+        """See `HolePattern.key`."""
+        name = np.asarray(design, dtype=bool).tobytes()
+        if name not in self.keys:
+            self.keys[name] = super().key(design)
+        return self.keys[name]
 
     def evaluate(self, design: np.ndarray, below: float) -> Value | Bound:
         """See `ListedPattern.evaluate`."""
@@ -75,9 +83,9 @@ class Recorded(ListedPattern):
         return super().evaluate(design, below)
 
 
-def asked_by(space: ListedPattern, searched: Searched, seed: int) -> np.ndarray:
+def asked_by(space: ListedPattern, searched: Searched, seed: int, keys: dict[bytes, bytes]) -> np.ndarray:
     """Values of the classes that a search simulates, in their order."""
-    recorded = Recorded(space.grid, space.pattern, values=space.values)
+    recorded = Recorded(space.grid, space.pattern, values=space.values, keys=keys)
     start = recorded.start if searched.solid else None
     search(recorded, searched.algorithm, seed=seed, start=start, **searched.settings)
     return np.array(list(recorded.asked.values()))
@@ -88,8 +96,10 @@ def rows_of(space: ListedPattern, runs: int) -> list[Row]:
     values = np.array(list(space.values.values()))
     best = np.nanmin(values)
     case = f"{space.pattern} {space.grid}"
+    keys: dict[bytes, bytes] = {}
     found = {
-        name: [asked_by(space, searched, seed) for seed in range(runs)] for name, searched in SEARCHES.items()
+        name: [asked_by(space, searched, seed, keys) for seed in range(runs)]
+        for name, searched in SEARCHES.items()
     }
     cost = int(np.median([len(asked) for asked in found[PUBLISHED]]))
     rows = []

@@ -127,7 +127,8 @@ def write(spaces: dict[str, Values]) -> None:
     """Add spaces to the file, in place of what it has of them."""
     found = dataset(spaces)
     if VALUES.exists():
-        before = xr.load_dataset(VALUES)
+        # its encoding would cut longer keys
+        before = xr.load_dataset(VALUES).drop_encoding()
         names = [
             f"{pattern}-{grid}"
             for pattern, grid in zip(before.pattern.values, before.grid.values, strict=True)

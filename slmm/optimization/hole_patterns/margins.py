@@ -83,7 +83,7 @@ def margins(problem: HolePattern, whole: Values, plate: CrackedPlate | None = No
             "U_T_shifted": (across, moved, "mJ", "tensile toughness with shifted holes"),
             "parted": (
                 "direction",
-                [parted_at(a, b, plate.side) for a, b in zip(upright, upside_down, strict=True)],
+                [parted_upside_down(a, b, plate.side) for a, b in zip(upright, upside_down, strict=True)],
                 "1",
                 "first step that is another upside down, -1 without one",
             ),
@@ -160,6 +160,15 @@ def parted_at(one: xr.Dataset, other: xr.Dataset, upside_down: float | None = No
         if one.event.values[k] != other.event.values[k] or away > near:
             return k
     return -1 if one.sizes["step"] == other.sizes["step"] else shorter
+
+
+def parted_upside_down(one: xr.Dataset, other: xr.Dataset, height: float) -> int:
+    """The first step that is another upside down, as `parted_at`.
+
+    In a plate that is its own mirror image two sides tie, and the rule takes the lower one both times.
+    """
+    steps = parted_at(one, other, height), parted_at(one, other)
+    return -1 if -1 in steps else max(steps)
 
 
 def shifted(problem: HolePattern, whole: Values, plate: CrackedPlate | None = None) -> list[xr.Dataset]:

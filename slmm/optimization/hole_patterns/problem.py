@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -97,7 +97,7 @@ class HolePattern:
 
     def __post_init__(self) -> None:
         check_whole("grid", self.grid, 1)
-        choices = {
+        choices: dict[str, Collection[str]] = {
             "pattern": DIRECTIONS,
             "initiation": INITIATIONS,
             "engine": ENGINES,

@@ -1,5 +1,6 @@
 """Listed hole patterns: what is shipped is complete and agrees with simulations; searches on it."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,17 @@ CLASSES = {
     ("rotated", 4): 10,
     ("rotated", 5): 65,
     ("full", 3): 100,
+    ("rotated", 6): 224,
 }
+#: how many of them have no value: faces of cracks touch in no way that is found
+FAILED = {("rotated", 6): 2}
 
 
 @pytest.mark.parametrize("space", CLASSES)
-def test_a_space_is_complete_and_has_a_value_of_each_design(space):
+def test_a_space_is_complete(space):
     listed = ListedPattern.read(FILE, *space)
     assert len(listed.values) == CLASSES[space]
-    assert np.isfinite(list(listed.values.values())).all()
+    assert np.isnan(list(listed.values.values())).sum() == FAILED.get(space, 0)
     cells = np.argwhere(~listed.fixed)
     for bits in range(2 ** len(cells)):
         design = listed.start
@@ -47,6 +51,14 @@ def test_limits_are_kept_as_by_a_simulation():
     assert isinstance(solid, Value) and solid.value == pytest.approx(-106.92, rel=5e-4)
     assert listed.evaluate(listed.start, solid.value) == Bound(solid.value)
     assert listed.rank(solid.value) > listed.rank(search(listed, "tbfsl", depth=3, radius=3).value)
+
+
+def test_ranked_designs_are_those_of_their_values():
+    listed = ListedPattern.read(FILE, "rotated", 6)
+    ranked = listed.ranked()
+    assert len(ranked) == 222 and all(one[1] >= other[1] for one, other in pairwise(ranked))
+    whole, U_T = ranked[0]
+    assert listed.values[np.packbits(whole).tobytes()] == -U_T == search(listed, "bf").value
 
 
 def test_spaces_that_are_not_listed_are_refused():

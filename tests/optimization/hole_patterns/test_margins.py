@@ -5,7 +5,13 @@ import pytest
 import xarray as xr
 
 from slmm.optimization import HolePattern
-from slmm.optimization.hole_patterns.margins import SHIFTS, hinging_share, parted_at, spread_of
+from slmm.optimization.hole_patterns.margins import (
+    SHIFTS,
+    hinging_share,
+    parted_at,
+    parted_upside_down,
+    spread_of,
+)
 
 ONE = HolePattern(1, "full", increment=4.0, sides="left")
 
@@ -34,6 +40,9 @@ def test_steps_part_where_another_event_or_place_comes():
     assert parted_at(one, steps(("growth", 12.0, 40.0), ("start", 30.0, 42.1))) == 1
     mirrored = steps(("growth", 12.0, 40.0), ("start", 30.0, 39.0), ("growth", 32.0, 38.5))
     assert parted_at(one, mirrored, upside_down=80.0) == -1 and parted_at(one, mirrored) == 1
+    # of a symmetric plate the lower side goes first, upside down or not
+    assert parted_upside_down(one, one, 80.0) == parted_upside_down(one, mirrored, 80.0) == -1
+    assert parted_upside_down(one, steps(("growth", 12.0, 40.0)), 80.0) == 1
 
 
 def test_a_change_counts_where_it_changes_what_counts():
