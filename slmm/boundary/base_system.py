@@ -70,9 +70,7 @@ class BaseSystem:
         )
         here, turns = Targets.on(panels), max(1, panels.n * len(self.equations.points) // MOST_WEIGHTS)
         places = np.array_split(np.arange(panels.n), turns)
-        given = np.concatenate(
-            [self.equations.given_displacement(Targets(*(v[rows] for v in here))) for rows in places]
-        )
+        given = np.concatenate([self.equations.given_displacement(here.chosen(rows)) for rows in places])
         self._solver: Solver = self.solver
         if len(known.resultants):
             self._solver = WithRigid(self.solver, given[:, 1:], (known.motions * weight[:, None]).T)

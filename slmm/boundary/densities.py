@@ -72,6 +72,10 @@ class Targets(NamedTuple):
         """All points of panels, by what these cause themselves."""
         return cls(panels.z, np.arange(panels.n), np.repeat(panels.smooth, panels.p))
 
+    def chosen(self, which: NDArray[np.int64]) -> Targets:
+        """Some of them."""
+        return Targets(*(values[which] for values in self))
+
     def of(self, rows: NDArray[np.int64], p: int) -> Targets:
         """The same by what some panels alone cause, with p points on each."""
         place = np.full(max(int(self.own.max(initial=-1)) // p, int(rows.max(initial=-1))) + 2, -1)

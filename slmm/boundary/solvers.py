@@ -44,13 +44,12 @@ class Factorised:
 
     def __init__(self, equations: Equations, moves: Array, felt: Array) -> None:
         """Assemble and factorise."""
-        matrix = equations.matrix()
-        matrix += moves @ felt
-        self._lu = la.lu_factor(matrix, overwrite_a=True, check_finite=False)
+        # transposed it is stored as LAPACK wants it, and factorised where it stands
+        self._lu = la.lu_factor(equations.matrix(moves, felt).T, overwrite_a=True, check_finite=False)
 
     def solve(self, right: Array) -> Array:
         """Solutions of the same shape as right-hand sides (2 n,) or (2 n, k)."""
-        return la.lu_solve(self._lu, right, check_finite=False)
+        return la.lu_solve(self._lu, right, trans=1, check_finite=False)
 
 
 class Iterative:
@@ -101,8 +100,7 @@ class Iterative:
         """Numbers of the unknowns of some panels, and the factors of what these cause at themselves."""
         equations, width = self._equations, 2 * self._equations.panels.p
         unknowns = (which[:, None] * width + np.arange(width)).ravel()
-        matrix = equations.chosen(which).matrix()
-        matrix += self._moves[unknowns] @ self._felt[:, unknowns]
+        matrix = equations.chosen(which).matrix(self._moves[unknowns], self._felt[:, unknowns])
         return unknowns, la.lu_factor(matrix, overwrite_a=True)
 
     def _preconditioned(self, rest: Array) -> Array:
