@@ -113,8 +113,13 @@ def displacement_by_g(panels: Panels, kappa: float, at: Targets) -> Array:
 def displacement_of_boundary(panels: Panels, kappa: float, at: Targets) -> tuple[Linear, Linear]:
     """W at targets (t,) by the boundary's g, and by its q."""
     C1, C3 = weights_of_boundary(panels, at)
-    C3 /= TWO_PI_I
-    return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, C3), Linear(2 * kappa * C1.real / TWO_PI_I, C3)
+    by_q = displacement_by_q(C1, C3, kappa)
+    return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, by_q.other), by_q
+
+
+def displacement_by_q(C1: Complex, C3: Complex, kappa: float) -> Linear:
+    """W by the boundary's q, from its weights (t, n) in C1 and C3."""
+    return Linear(C1.real * (2 * kappa / TWO_PI_I), C3 / TWO_PI_I)
 
 
 def displacement_of_highest(panels: Panels, kappa: float, at: Targets) -> Linear:
