@@ -1,9 +1,11 @@
 """Memory of a whole process that reads a scene and tells K of an edge crack in a plate with three holes.
 
 What it has taken at most after each step, in a process of its own with compiled kernels at hand, on Linux: libraries
-one after the other, the package, numba's first kernel, the answer.
+one after the other, the package, numba's first kernel, the answer. Half of it are pages of libraries' files, which
+processes share and the system may drop; what is the process's own is read 500 times a second.
 
-Required: less than 200 MB. Writes validation/results/boundary_memory.csv, ten seconds; ``--quick`` no file.
+Required: less than 200 MB of its own; all of it is told. Writes validation/results/boundary_memory.csv, ten seconds;
+``--quick`` no file.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,6 +47,8 @@ name = "PMMA"
 displacement = 0.1
 """
 MOST = 200.0
+#: s between two looks at the memory
+READ_EVERY = 0.002
 #: what the package is built on and loads for this
 LIBRARIES = (
     "numpy",
@@ -85,6 +90,22 @@ def measure(path: str) -> None:
     print(json.dumps({"K": K.tolist(), "points": model.panels.n, "steps": steps}))
 
 
+def watched(command: list[str], environment: dict[str, str]) -> tuple[str, float]:
+    """What a process prints, and how much memory was its own at most, MB: resident pages that are of no file."""
+    page, own = os.sysconf("SC_PAGE_SIZE") / 1024**2, 0
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        pages = Path(f"/proc/{process.pid}/statm")
+        while process.poll() is None:
+            _, resident, of_files, *_ = (int(number) for number in pages.read_text().split())
+            own = max(own, resident - of_files)
+            time.sleep(READ_EVERY)
+        assert process.stdout is not None
+        printed = process.stdout.read()
+    if process.returncode:
+        raise subprocess.CalledProcessError(process.returncode, command, printed)
+    return printed, own * page
+
+
 def main(quick: bool = False) -> list[Check]:
     """Measure in a process of its own, the second one of two: the first compiles the kernels."""
     from checks import Check, save, show
@@ -95,14 +116,14 @@ def main(quick: bool = False) -> list[Check]:
         path.write_text(SCENE)
         command = [sys.executable, __file__, "--measure", str(path)]
         for _ in range(2):
-            answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    found = json.loads(answer.stdout.splitlines()[-1])
+            answer, own = watched(command, environment)
+    found = json.loads(answer.splitlines()[-1])
     case = f"plate with three holes and a crack, {found['points']} points"
     checks = [
         Check(case, f"MB with {name}", float("nan"), most, rule="told")
         for name, most in found["steps"].items()
     ]
-    checks.append(Check(case, "MB of the whole process", MOST, found["steps"]["the answer"], rule="at most"))
+    checks.append(Check(case, "MB of the process's own, at most", MOST, own, rule="at most"))
     show("Memory of a process", checks)
     if not quick:
         save("boundary_memory", (check.row() for check in checks))
