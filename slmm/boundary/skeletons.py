@@ -26,9 +26,9 @@ LEFT_OUT = 5e-12
 #: ones are below 1.5^-64, which is as much as is left out
 BEYOND, TERMS = 1.5, 64
 #: rows over columns beyond which rows are added up with random signs, and in how many sums each one is (chosen: some
-#: rows more than columns, and eight sums, keep what is left out as small; Tropp et al., SIAM J. Sci. Comput. 41 (2019)
-#: A2430-A2463)
-MIXED, IN_ROWS = 1.5, 8
+#: rows more than columns, and four sums, keep K and stress the same to 1e-8; Tropp et al., SIAM J. Sci. Comput. 41
+#: (2019) A2430-A2463)
+MIXED, IN_ROWS = 1.2, 4
 
 
 class Skeleton(NamedTuple):
@@ -57,7 +57,7 @@ def skeleton(matrix: Array, weight: Array) -> Skeleton:
     >>> found.kept.tolist(), bool(np.allclose(found.shares, [[-0.5, 1.0]]))
     ([1], True)
     """
-    most = int(MIXED * matrix.shape[1])
+    most = int(MIXED * matrix.shape[1]) + 2 * IN_ROWS
     mixed = _mixing(most, len(matrix)) @ matrix if len(matrix) > most else matrix
     R, order = la.qr(mixed * weight, mode="r", pivoting=True, overwrite_a=True, check_finite=False)
     along = np.abs(np.diag(R))
