@@ -24,6 +24,7 @@ from fracture_references import PLATES
 from fracture_speed import designs, toughness
 from matplotlib.ticker import NullFormatter
 
+from slmm.boundary.stretches import ROUGH
 from slmm.fracture import boundary_engine, simulate
 from slmm.scene.gallery import tensile_plate
 
@@ -51,7 +52,7 @@ Row = dict[str, float | int | str]
 def orders(chosen: tuple[int, int]) -> Iterator[None]:
     """Simulations with these points on panels at any tolerance."""
     default = boundary_engine.ORDERS
-    boundary_engine.ORDERS = ((0.0, chosen),)
+    boundary_engine.ORDERS = ((0.0, chosen, ROUGH),)
     try:
         yield
     finally:

@@ -134,7 +134,8 @@ class Border:
         self._columns[m : m + k], self._rows[m : m + k], self._right[m : m + k] = columns, rows, right
         self._size = m + k
         self._matrix[m : m + k, : m + k] = corner - rows @ self.columns.T
-        self._matrix[:m, m : m + k] = felt - self._rows[:m] @ columns.T
+        # the narrow factor first: the product takes less time
+        self._matrix[:m, m : m + k] = felt - (columns @ self._rows[:m].T).T
         self.members = [*self.members, *members]
 
     def _make_room(self, size: int) -> None:
@@ -159,7 +160,7 @@ class Border:
             if member.kind is not Kind.TIP:
                 break
             stays -= member.width
-        for size in (stays, self._size):
-            if self.factors.size < size:
-                self.factors.append(self._matrix[:size, :size])
+        if self.factors.size < self._size:
+            cut = [stays] if self.factors.size < stays < self._size else []
+            self.factors.append(self.matrix, *cut)
         return self.factors.solve(self.right)

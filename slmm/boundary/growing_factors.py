@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import scipy.linalg as la
 from scipy.linalg.lapack import dtrtrs
 
 from slmm.boundary.rules import Array
 
-#: room for so many rows at first; chosen
-ROOM = 1024
+#: room for so many rows at first; chosen: columns a power of two apart have to share the cache
+ROOM = 1100
 
 
 class GrowingFactors:
@@ -41,30 +43,48 @@ class GrowingFactors:
             self.size = self._begins.pop()
         self._pivots = self._pivots[: self.size]
 
-    def append(self, matrix: Array) -> None:
-        """Rows and columns of a matrix (m, m) beyond those that are known, as one block."""
-        a, b = self.size, len(matrix)
-        if b > len(self._lu):
-            room = np.empty((2 * b, 2 * b), order="F")
-            room[:a, :a] = self._lu[:a, :a]
-            self._lu = room
+    def append(self, matrix: Array, *sizes: int) -> None:
+        """Rows and columns of a matrix (m, m) beyond those that are known, as one block or several.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (m, m)
+        sizes : int
+            Where further blocks begin.
+        """
+        a, m = self.size, len(matrix)
+        self._make_room(m)
         lu = self._lu
-        block = matrix[a:b, a:b].copy()
+        rest = np.array(matrix[a:m, a:m], order="F")
         if a:
-            right, _ = dtrtrs(lu[:, :a], np.asfortranarray(matrix[self._pivots, a:b]), lower=1, unitdiag=1)
-            below, _ = dtrtrs(lu[:, :a], np.asfortranarray(matrix[a:b, :a].T), trans=1)
-            block -= below.T @ right
-            lu[:a, a:b] = right
-        factors, swaps = la.lu_factor(block, overwrite_a=True, check_finite=False)
-        order = np.arange(b - a)
-        for k, swap in enumerate(swaps.tolist()):
-            order[[k, swap]] = order[[swap, k]]
-        lu[a:b, a:b] = factors
-        if a:
-            lu[a:b, :a] = below.T[order]
-        self._pivots = np.concatenate([self._pivots, a + order])
-        self._begins.append(a)
-        self.size = b
+            # what is known acts on all new blocks at once
+            right, _ = dtrtrs(lu[:, :a], np.asfortranarray(matrix[self._pivots, a:m]), lower=1, unitdiag=1)
+            below, _ = dtrtrs(lu[:, :a], np.asfortranarray(matrix[a:m, :a].T), trans=1)
+            rest -= below.T @ right
+            lu[:a, a:m], lu[a:m, :a] = right, below.T
+        for begin, end in pairwise((a, *sizes, m)):
+            here, beyond = slice(begin - a, end - a), slice(end - a, None)
+            factors, swaps = la.lu_factor(rest[here, here], check_finite=False)
+            order = np.arange(end - begin)
+            for k, swap in enumerate(swaps.tolist()):
+                order[[k, swap]] = order[[swap, k]]
+            lu[begin:end, begin:end] = factors
+            lu[begin:end, :begin] = lu[begin + order, :begin]
+            if end < m:
+                right, _ = dtrtrs(factors, np.asfortranarray(rest[here, beyond][order]), lower=1, unitdiag=1)
+                below, _ = dtrtrs(factors, np.asfortranarray(rest[beyond, here].T), trans=1)
+                rest[beyond, beyond] -= below.T @ right
+                lu[begin:end, end:m], lu[end:m, begin:end] = right, below.T
+            self._pivots = np.concatenate([self._pivots, begin + order])
+            self._begins.append(begin)
+        self.size = m
+
+    def _make_room(self, size: int) -> None:
+        if size <= len(self._lu):
+            return
+        a, old = self.size, self._lu
+        self._lu = np.empty((2 * size, 2 * size), order="F")
+        self._lu[:a, :a] = old[:a, :a]
 
     def solve(self, right: Array) -> Array:
         """The solution (m,) for a right-hand side (m,), or (m, k) for k of them."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from slmm.boundary.faces import lengths_of
 from slmm.boundary.model import BoundaryModel
-from slmm.boundary.stretches import COARSE
+from slmm.boundary.stretches import COARSE, ROUGH
 from slmm.criteria.distances import point_distance
 from slmm.fracture.engine import Rules, competing_events, growth_load, unloaded
 from slmm.fracture.events import Event, Kind
@@ -20,9 +20,9 @@ from slmm.scene.loading import Loading
 
 Array = NDArray[np.float64]
 
-#: Gauss points on panels of the boundary and of cracks, by the error of U_T that they reach; chosen on
-#: validation/fracture_references.py
-ORDERS = ((2e-3, (6, 5)), (1e-4, (8, 8)), (0.0, (10, 10)))
+#: Gauss points on panels of the boundary and of cracks, and how short these are, by the error of U_T that they reach;
+#: chosen on validation/fracture_references.py
+ORDERS = ((2e-3, (6, 5), ROUGH), (1e-4, (8, 8), COARSE), (0.0, (10, 10), COARSE))
 #: K_I is none below this share of the stress along surfaces times sqrt(pi a); round-off and discretisation
 NO_OPENING = 1e-4
 
@@ -93,7 +93,9 @@ class BoundaryEngine:
     def __init__(self, material: Material, loading: Loading, tolerance: float) -> None:
         """Nothing is solved yet."""
         self.material, self.loading = material, loading
-        self.order, self.crack_order = next(orders for error, orders in ORDERS if tolerance >= error)
+        (self.order, self.crack_order), self._grading = next(
+            (orders, grading) for error, orders, grading in ORDERS if tolerance >= error
+        )
         self._last: BoundaryModel | None = None
 
     @property
@@ -109,8 +111,9 @@ class BoundaryEngine:
     def solve(self, part: Part) -> BoundaryState:
         """The part with its cracks."""
         if self._last is None:
+            orders = self.order, self.crack_order
             self._last = BoundaryModel(
-                part, self.material, self.loading, self.order, self.crack_order, contact=True, grading=COARSE
+                part, self.material, self.loading, *orders, contact=True, grading=self._grading
             )
         else:
             self._last = self._last.with_cracks_of(part)

@@ -112,6 +112,22 @@ def test_factors_that_grow_and_shrink_solve():
     assert factors.solve(np.empty(0)).shape == (0,)
 
 
+def test_blocks_that_come_at_once_are_those_that_come_one_by_one():
+    rng = np.random.default_rng(4)
+    matrix = rng.normal(size=(90, 90)) + 10.0 * np.eye(90)
+    right = rng.normal(size=90)
+    one_by_one, at_once = GrowingFactors(), GrowingFactors()
+    for m in (40, 70, 80, 90):
+        one_by_one.append(matrix[:m, :m])
+    at_once.append(matrix[:40, :40])
+    at_once.append(matrix, 70, 80)
+    assert at_once.solve(right) == pytest.approx(one_by_one.solve(right), abs=1e-12)
+    for factors in (one_by_one, at_once):
+        factors.truncate(79)
+        assert factors.size == 70
+        assert matrix[:70, :70] @ factors.solve(right[:70]) == pytest.approx(right[:70], abs=1e-11)
+
+
 def test_an_odd_number_of_points_is_refused():
     """On a straight edge that rolls their equations would be singular."""
     with pytest.raises(ValueError, match="p = 5: must be even"):
