@@ -78,7 +78,7 @@ def simulate(
         cells of the database where one fits, in plates under [load]. The last two know how long the crack is then.
     engine : {"boundary", "fem"}
         What solves the part: boundary integrals, or finite elements on a mesh of their own for every increment, which
-        take some ten times as long and do not hold faces of cracks apart.
+        take some ten times as long. Faces of cracks that would overlap hold each other in both, without friction.
     tolerance : float
         Relative error of U_T that the engine's own model aims at.
     direction : {"MTS", "MERR", "local symmetry", "J", "GMTS"}
@@ -111,10 +111,10 @@ def simulate(
     Dataset
         Over ``corner``: ``u`` (mm) and ``F`` (N), corner points of the curve; over ``step``: ``u_c``, ``u_load``,
         ``stiffness`` before the step, ``event``, ``tip`` (of which crack), ``x``, ``y`` where it stands after it,
-        ``arrested_by``, ``K_I``, ``K_II``, ``released``, ``dissipated``, ``gap`` and more; over ``candidate`` what was
-        in question in each step; over ``state`` the equilibrium path; ``U_T``, ``U_T_error`` in mJ, and
-        ``U_T_integrated``, in which the force falls steadily where cracks grow so; crack paths over ``crack`` and
-        ``point``; ``outcome`` among the attributes.
+        ``arrested_by``, ``K_I``, ``K_II``, ``released``, ``dissipated``, ``gap``, ``closed`` (length of cracks whose
+        faces hold each other, mm) and more; over ``candidate`` what was in question in each step; over ``state`` the
+        equilibrium path; ``U_T``, ``U_T_error`` in mJ, and ``U_T_integrated``, in which the force falls steadily where
+        cracks grow so; crack paths over ``crack`` and ``point``; ``outcome`` among the attributes.
 
     Raises
     ------

@@ -43,7 +43,7 @@ def test_finite_elements_say_what_they_were(plate, tmp_path):
     result = run("fracture", plate, "--increment", 16, "--engine", "fem", "-o", output)
     assert result.exit_code == 0, result.stderr
     with xr.open_dataset(output) as written:
-        assert (written.attrs["engine"], written.attrs["contact"]) == ("fem", "none")
+        assert (written.attrs["engine"], written.attrs["contact"]) == ("fem", "without friction")
         assert written.attrs["engine"] == "fem" and written.attrs["fineness"] == 1.0
 
 

@@ -53,3 +53,25 @@ def test_a_simulation_that_raises_or_takes_too_long_is_counted(monkeypatch):
     failed = sound | {"failed": True, "outcome": "failed", "steps": 0.0}
     (lost,) = [c for c in patterns.checks_of([sound, failed]) if "earlier steps" in c.quantity]
     assert lost.ours == 2
+
+
+@pytest.mark.slow
+def test_where_fracture_is_hard_no_engine_is_quietly_wrong():
+    pytest.importorskip("netgen")
+    assert all(check.holds for check in script("fracture_limits").main(quick=True))
+
+
+def test_engines_that_differ_without_a_word_are_quietly_wrong(monkeypatch):
+    limits = script("fracture_limits")
+    said = {"error": 0.1, "steps": 3, "says": "", "cpu": 0.0}
+    for U_T, warned, wrong in (
+        (101.0, False, 1),
+        (101.0, True, 0),
+        (100.1, False, 0),
+        (float("nan"), False, 1),
+    ):
+        answers = iter([{**said, "U_T": 100.0, "warned": False}, {**said, "U_T": U_T, "warned": warned}])
+        monkeypatch.setattr(limits, "simulated", lambda *_, answers=answers: next(answers))
+        row = limits.compared("kind", "scene", None, {})
+        assert row["quietly_wrong"] == wrong
+        assert all(check.holds for check in limits.checks_of(row)) == (not wrong)
