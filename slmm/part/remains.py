@@ -65,8 +65,7 @@ def remains(part: Part, kept: shapely.Polygon) -> Remains:
     Raises
     ------
     ValueError
-        When the piece is not around anything but holes, or a hole that changes is open to the outside at several
-        places.
+        When the piece has nothing of the outer edge, or what comes out is not the piece.
 
     Examples
     --------
@@ -87,12 +86,8 @@ def remains(part: Part, kept: shapely.Polygon) -> Remains:
         raise ValueError("a piece came loose with the whole outer edge of the part")
     around = [*exterior[first:], *exterior[:first]]
     notches = [list(runs) for is_edge, runs in groupby(around, lambda run: run.on == EDGE) if not is_edge]
-    # a notch that is open to the outside at several places is found there each time
     found = {_outline(part, runs, True): _holes_of(runs) for runs in notches}
     found |= {_outline(part, runs, False): _holes_of(runs) for runs in interiors}
-    every = [number for numbers in found.values() for number in numbers]
-    if len(every) > len(set(every)):
-        raise ValueError("a piece came loose at a hole that is open to the outside at several places")
     found = dict(sorted(found.items(), key=lambda item: min(item[1], default=len(part.holes))))
     lines, cracks = _within(part, kept)
     left = Part(part.outer, tuple(found), (), part.thickness, part.rim)

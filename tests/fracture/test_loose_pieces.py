@@ -147,3 +147,20 @@ def test_a_piece_of_the_edge_leaves_a_notch():
     assert float(ours.stiffness[0]) == pytest.approx(float(other.stiffness[0]), rel=1e-5)
     assert float(ours.U_T) == pytest.approx(float(other.U_T), rel=RESOLVED)
     assert ours.sizes["crack"] == 3 + int((ours.event == "start").sum())
+
+
+def test_what_ends_early_says_that_its_toughness_is_a_lower_bound():
+    asked = {"errors": False, "largest_displacement": 0.3}
+    early = simulate(tensile_plate(), 8.0, at_least=500.0, **asked)
+    whole = simulate(tensile_plate(), 8.0, **asked)
+    assert early.U_T.attrs["comment"].startswith(
+        "a lower bound: the simulation ended early (the tensile toughness"
+    )
+    assert "comment" not in whole.U_T.attrs
+
+
+def test_no_hole_pattern_has_the_value_of_a_simulation_that_ended_early(monkeypatch):
+    early = xr.Dataset({"U_T": ((), 50.0)}, attrs={"outcome": str(Outcome.NO_EVENT)})
+    monkeypatch.setattr("slmm.optimization.hole_patterns.problem.simulate", lambda *_, **__: early)
+    with pytest.raises(ValueError, match="no crack can grow or start"):
+        HolePattern(3).tensile_toughness(HolePattern(3).start)
