@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.panelling import Panelling
 from slmm.boundary.stretches import FINE, boundary_of
@@ -46,6 +47,22 @@ class BoundaryField:
     def coarser(self) -> LowerOrder:
         """The field of the lower order."""
         return LowerOrder(self.lower, self.raster)
+
+    def finer_about(self, ahead: np.ndarray) -> BoundaryField:
+        """The same with panels that are as short as crack tips at points ``ahead`` (k,) would ask for, mm.
+
+        Raises
+        ------
+        ValueError
+            When these are too many.
+        """
+
+        def finer(model: BoundaryModel) -> BoundaryModel:
+            old = model.body
+            body = Body(old.part, old.material, old.loading, old.p, old.grading, ahead.tolist())
+            return BoundaryModel(old.part, old.material, old.loading, old.p, model.crack_p, body)
+
+        return BoundaryField(finer(self.model), finer(self.lower), self.raster)
 
     def displacement(self, points: np.ndarray) -> np.ndarray:
         """Displacements (k, 2) at points (k, 2), mm."""

@@ -17,6 +17,7 @@ from slmm.criteria.coupled import NONE
 from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
 from slmm.initiation.boundary_field import COVERED, BoundaryField, solve_boundary
+from slmm.initiation.cell_errors import reference_stress
 from slmm.initiation.paths import IN_LIGAMENT, Paths
 from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal_stress
@@ -34,6 +35,11 @@ IN_TOLERANCES = 250.0
 ENOUGH, MATTERS = 2e-3, 0.25
 #: why a position is none of a smooth surface's
 NO_CIRCLE = "another crack, or a corner or jump of the curvature within the crack's length"
+#: lengths between two breaks of cracks at corners and tips, where the power is known: 2e-5 of G_inc (chosen)
+BY_POWER = 4
+#: panels about uncertain positions are as short as this share of their longest cracks asks for, at so many of them at
+#: most (both chosen)
+FINER, MOST_FINER = 0.3, 24
 #: fewer places of the lower order
 FEWER = 1
 #: numbers of the closed forms that are kept at once: 64 MB (chosen)
@@ -46,7 +52,7 @@ def by_boundary(task: Task) -> Answer:
     field = _field(task, answer)
     if field is None:
         return answer
-    _from_surfaces(field, task, answer)
+    field = _from_surfaces(field, task, answer, ENOUGH)
     left = _not_enough(answer)
     for k, i in enumerate(left.tolist()):
         if len(left) > 1:  # of a single one, whoever asks says where it stands
@@ -60,7 +66,7 @@ def by_surfaces(task: Task) -> Answer:
     answer = Answer.empty(task.n, "boundary")
     field = _field(task, answer)
     if field is not None:
-        _from_surfaces(field, task, answer)
+        _from_surfaces(field, task, answer, task.tolerance)
         answer.status[answer.status == ""] = Status.NO_TRIAL.of(NO_CIRCLE)
     return answer
 
@@ -112,12 +118,46 @@ def _not_enough(answer: Answer) -> np.ndarray:
     return np.flatnonzero(~settled | uncertain)
 
 
-def _from_surfaces(field: BoundaryField, task: Task, answer: Answer) -> None:
-    """Fill the rows at smooth surfaces for which a circle stands."""
-    if task.scene.part.cracks:
-        return
+def _from_surfaces(field: BoundaryField, task: Task, answer: Answer, enough: float) -> BoundaryField:
+    """Fill the rows at smooth surfaces for which a circle stands, and give the part that served last.
+
+    Where that leaves more than a relative error ``enough``, panels about the mouths are made as short as cracks there.
+    """
+    rows = np.flatnonzero(task.smooth)
+    if task.scene.part.cracks or not len(rows):
+        return field
+    _at_once(field, task, answer, rows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        index = np.where(answer.status == Status.OK, 1 / answer.load_factor, np.nan)
+    largest = np.nanmax(index, initial=0.0) or reference_stress(task.scene) / task.scene.material.sigma_c
+    allowed = enough * np.maximum(index, MATTERS * largest)
+    uncertain = ~(answer.index_error <= allowed) & ~np.isin(
+        answer.status, (Status.CLOSES, Status.BEYOND_PATH)
+    )
+    rows = rows[uncertain[rows]]
+    if not len(rows):
+        return field
+    # those that are known to be the smallest come last
+    rows = rows[np.argsort(-np.nan_to_num(index[rows], nan=np.inf), kind="stable")][:MOST_FINER]
+    ahead = task.paths.start[rows] + FINER * task.paths.longest[rows, None] * task.paths.direction[rows]
+    try:
+        field = field.finer_about(_complex(ahead))
+    except ValueError:
+        return field
+    task.solved["boundary"] = field
+    part = task.among(rows)
+    found = Answer.empty(part.n, "boundary")
+    found.column("curvature")[:] = answer.column("curvature")[rows]
+    _at_once(field, part, found, np.arange(part.n))
+    known = answer.rows(rows)
+    better = (found.status != "") & ~(known.index_error <= found.index_error)
+    answer.take(rows[better], found.rows(np.flatnonzero(better)))
+    return field
+
+
+def _at_once(field: BoundaryField, task: Task, answer: Answer, rows: np.ndarray) -> None:
+    """Fill some rows at smooth surfaces, with the usual paths, and then longer ones."""
     bend, normal = _bend(task), np.full((task.n, 2), np.nan)
-    rows = np.flatnonzero(np.isfinite(bend))
     for k, outline in enumerate(task.scene.outlines):
         on_k = rows[task.where.hole[rows] == k]
         normal[on_k] = outline.normals(task.where.s[on_k])
@@ -213,7 +253,9 @@ def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: f
         answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
         return False
     try:
-        trials = [_trial(model, task, i, longest, solved) for model, solved in _orders(field)]
+        solved = SOLVED if task.smooth[i] else BY_POWER
+        orders = (field.model, solved), (field.lower, solved - 1)
+        trials = [_trial(model, task, i, longest, lengths) for model, lengths in orders]
     except ValueError as error:
         answer.status[i] = Status.NO_TRIAL.of(error)
         return False
@@ -226,11 +268,6 @@ def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: f
     answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
     _refuse_closed(answer, np.array([i]), trials[0].K[None], trials[0].lengths[None])
     return str(answer.status[i]) == Status.BEYOND_PATH
-
-
-def _orders(field: BoundaryField) -> tuple[tuple[BoundaryModel, int], ...]:
-    """Both models, and at how many lengths between two breaks they are asked."""
-    return (field.model, SOLVED), (field.lower, SOLVED - 1)
 
 
 def _trial(model: BoundaryModel, task: Task, i: int, longest: float, solved: int) -> TrialCracks:
