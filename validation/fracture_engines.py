@@ -106,7 +106,7 @@ def compared(name: str, scene: Scene) -> dict[str, object]:
             f"steps_{engine}": result.sizes["step"],
             f"arrests_{engine}": ", ".join(name for name in result.arrested_by.values if name),
             f"competing_{engine}": result.attrs["competing_events"],
-            f"overlaps_{engine}": int(result.touches.sum()),
+            f"closed_{engine}": int(result.touches.sum()),
             f"outcome_{engine}": result.attrs["outcome"],
             f"cpu_{engine}": time.process_time() - begin,
         }

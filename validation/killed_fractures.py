@@ -2,7 +2,7 @@
 
 Two plates are broken by ``slmm fracture --resume``, which gets SIGKILL twenty times each, at a random moment after it
 has come farther than ever before. Required: the last start writes a netCDF file with the values of an undisturbed run,
-to the bit, and each kill hit a simulation at work. Four minutes; ``--quick`` kills one of them three times.
+to the bit, and each kill hit a simulation at work. Eight minutes of CPU; ``--quick`` kills one of them three times.
 """
 
 from __future__ import annotations

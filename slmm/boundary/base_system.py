@@ -16,8 +16,8 @@ from slmm.scene.load_checks import UNBALANCED
 
 #: points up to which all is factorised, and up to which clusters are; beyond all is iterated (chosen by the time)
 MOST_FACTORISED, MOST_SKELETONISED = 2000, 8000
-#: weights that are computed at once for what is known: 32 MB of each kind (chosen)
-MOST_WEIGHTS = 2_000_000
+#: weights that are computed at once for what is known: 4 MB of each kind (chosen)
+MOST_WEIGHTS = 262_144
 
 
 class BaseSystem:

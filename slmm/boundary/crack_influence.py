@@ -7,6 +7,8 @@ from numba import njit
 
 from slmm.boundary.moments import chord_log, is_beyond, is_far, line_log, moments
 
+TWO_PI_I = 2j * np.pi
+
 
 @njit(cache=True, error_model="numpy")
 def _inverse(gap):
@@ -84,3 +86,39 @@ def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, ti
                 M[1, i, base + j] = two / half
                 M[2, i, base + j] = 0.5 * three / (half * half)
     return M
+
+
+@njit(cache=True)
+def displacement_by_jumps(moments, turn, delta, kappa):
+    """Weights (t, n) of jumps and of their conjugates in W, by the weights of `crack_weights`.
+
+    ``turn`` (m,) is the conjugate of a panel's direction over that direction, ``delta`` (t, m) a target's distance from
+    its line.
+    """
+    _, t, n = moments.shape
+    p = n // len(turn)
+    one, other = np.empty((t, n), dtype=np.complex128), np.empty((t, n), dtype=np.complex128)
+    over = 1.0 / TWO_PI_I
+    for i in range(t):
+        for k in range(len(turn)):
+            factor = delta[i, k] * turn[k].conjugate() * over
+            for j in range(k * p, (k + 1) * p):
+                first = moments[0, i, j]
+                one[i, j] = (kappa * first - first.conjugate()) * over
+                other[i, j] = factor * moments[1, i, j].conjugate()
+    return one, other
+
+
+@njit(cache=True)
+def stress_by_jumps(moments, turn, delta):
+    """Weights (t, n) in P, and in the part of Q that is linear in the jumps; parameters as above."""
+    _, t, n = moments.shape
+    p = n // len(turn)
+    P, Q = np.empty((t, n), dtype=np.complex128), np.empty((t, n), dtype=np.complex128)
+    over = 1.0 / TWO_PI_I
+    for i in range(t):
+        for k in range(len(turn)):
+            for j in range(k * p, (k + 1) * p):
+                P[i, j] = moments[1, i, j] * over
+                Q[i, j] = -turn[k] * P[i, j] - 2 * delta[i, k] * moments[2, i, j] * over
+    return P, Q

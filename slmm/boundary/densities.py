@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.boundary.crack_influence import crack_weights
+from slmm.boundary.crack_influence import crack_weights, displacement_by_jumps, stress_by_jumps
 from slmm.boundary.crack_panels import CrackPanels, straight_rule, tip_rule
 from slmm.boundary.influence import (
     TWO_PI_I,
@@ -16,32 +16,11 @@ from slmm.boundary.influence import (
     displacement_matrix,
     of_highest,
 )
+from slmm.boundary.linear import Linear, along_directions
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex, highest_rule, refinement
 
-
-class Linear(NamedTuple):
-    """A complex quantity that is linear in a density: ``one`` times it and ``other`` times its conjugate."""
-
-    one: Complex
-    other: Complex
-
-    def __call__(self, density: Any) -> Complex:
-        """The quantity (t,) for a density (n,)."""
-        return self.one @ density + self.other @ density.conj()
-
-    def plus(self, more: Linear) -> Linear:
-        """Both together."""
-        return Linear(self.one + more.one, self.other + more.other)
-
-    def real(self) -> Array:
-        """Real matrix (2 t, 2 n) from real and imaginary parts to such."""
-        t, n = self.one.shape
-        result = np.empty((t, 2, n, 2))
-        plus, minus = self.one + self.other, 1j * (self.one - self.other)
-        result[:, 0, :, 0], result[:, 1, :, 0] = plus.real, plus.imag
-        result[:, 0, :, 1], result[:, 1, :, 1] = minus.real, minus.imag
-        return result.reshape(2 * t, 2 * n)
+OVER = 1 / TWO_PI_I
 
 
 class Targets(NamedTuple):
@@ -113,8 +92,13 @@ def displacement_by_g(panels: Panels, kappa: float, at: Targets) -> Array:
 def displacement_of_boundary(panels: Panels, kappa: float, at: Targets) -> tuple[Linear, Linear]:
     """W at targets (t,) by the boundary's g, and by its q."""
     C1, C3 = weights_of_boundary(panels, at)
-    C3 /= TWO_PI_I
-    return Linear((kappa * C1 - C1.conj()) / TWO_PI_I, C3), Linear(2 * kappa * C1.real / TWO_PI_I, C3)
+    by_q = displacement_by_q(C1, C3, kappa)
+    return Linear((kappa * C1 - C1.conj()) * OVER, by_q.other), by_q
+
+
+def displacement_by_q(C1: Complex, C3: Complex, kappa: float) -> Linear:
+    """W by the boundary's q, from its weights (t, n) in C1 and C3."""
+    return Linear(2 * kappa * OVER * C1.real, C3 * OVER)
 
 
 def displacement_of_highest(panels: Panels, kappa: float, at: Targets) -> Linear:
@@ -164,7 +148,9 @@ def stress_of_boundary(panels: Panels, targets: Complex) -> tuple[Complex, Compl
         panels.fine_inverse,
         refinement(panels.p),
     )
-    return P / TWO_PI_I, Q / TWO_PI_I
+    P *= OVER
+    Q *= OVER
+    return P, Q
 
 
 class OfCracks(NamedTuple):
@@ -174,9 +160,9 @@ class OfCracks(NamedTuple):
     ----------
     moments : ndarray, shape (3, t, m)
         Weights of 1/(tau - z), 1/(tau - z)^2 and 1/(tau - z)^3.
-    turn : ndarray, shape (m,)
+    turn : ndarray, shape (k,)
         Conjugate of a panel's direction over that direction.
-    delta : ndarray, shape (t, m)
+    delta : ndarray, shape (t, k)
         Distance of a target from a panel's line, as tau - z mirrored there less its conjugate, mm.
     """
 
@@ -186,21 +172,22 @@ class OfCracks(NamedTuple):
 
     def displacement(self, kappa: float) -> Linear:
         """W by the jumps."""
-        one, two, _ = self.moments
-        return Linear(
-            (kappa * one - one.conj()) / TWO_PI_I, self.delta * (self.turn.conj() / TWO_PI_I) * two.conj()
-        )
+        return Linear(*displacement_by_jumps(self.moments, self.turn, self.delta, kappa))
+
+    def stress(self) -> tuple[Complex, Complex]:
+        """Weights (t, m) in P, and in the part of Q that is linear in the jumps."""
+        P, Q = stress_by_jumps(self.moments, self.turn, self.delta)
+        return P, Q
 
     @property
     def P(self) -> Complex:
         """Weights (t, m) in P."""
-        return self.moments[1] / TWO_PI_I
+        return self.moments[1] * OVER
 
     @property
     def Q(self) -> Complex:
         """Weights (t, m) in the part of Q that is linear in the jump."""
-        _, two, three = self.moments
-        return two * (-self.turn / TWO_PI_I) - self.delta * three * (2 / TWO_PI_I)
+        return self.stress()[1]
 
 
 def of_cracks(cracks: CrackPanels, targets: Complex, on: NDArray[np.int64]) -> OfCracks:
@@ -218,14 +205,14 @@ def of_cracks(cracks: CrackPanels, targets: Complex, on: NDArray[np.int64]) -> O
     turn = cracks.direction.conj() / cracks.direction
     away = targets[:, None] - cracks.starts
     delta = turn * away - away.conj()
-    delta[np.arange(len(cracks.starts)) == on[:, None]] = 0.0
-    return OfCracks(moments, np.repeat(turn, cracks.p), np.repeat(delta, cracks.p, axis=1))
+    own = np.flatnonzero(on >= 0)
+    delta[own, on[own]] = 0.0
+    return OfCracks(moments, turn, delta)
 
 
 def traction_of(P: Complex, Q: Complex, S: float, e: Complex) -> Linear:
     """Change of the resultant force along directions e (t,), by a density whose conjugate enters Q with P times S."""
-    e = e[:, None]
-    return Linear(e * P + S * e.conj() * P.conj(), e * P.conj() + e.conj() * Q.conj())
+    return Linear(*along_directions(P, Q, S, e))
 
 
 def parts(values: Complex) -> Array:

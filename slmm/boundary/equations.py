@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 from slmm.boundary.conditions import Known
 from slmm.boundary.densities import (
     Targets,
-    displacement_by_g,
+    displacement_by_q,
     displacement_of_boundary,
     parts,
     stress_of_boundary,
     traction_of,
+    weights_of_boundary,
 )
+from slmm.boundary.influence import displacement_matrix
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex
 from slmm.boundary.tractions import Tractions
@@ -56,11 +58,13 @@ class Equations:
 
     def displacement(self, at: Targets) -> Array:
         """W at targets (t,) by the unknowns, real and imaginary parts in turn; (2 t, 2 n)."""
-        matrix = displacement_by_g(self.panels, self.kappa, at)
+        C1, C3 = weights_of_boundary(self.panels, at)
+        matrix = np.asarray(displacement_matrix(C1, C3, self.kappa))
         columns, held = self._held
         if len(columns):
-            here = at.of(self.acted, self.panels.p)
-            matrix[:, columns] = self.tractions.displacement(here).real()[:, held]
+            by_q = displacement_by_q(C1[:, self.points], C3[:, self.points], self.kappa)
+            by_t = self.tractions.displacement(at.of(self.acted, self.panels.p), by_q)
+            matrix[:, columns] = by_t.real()[:, held]
         return matrix
 
     def chosen(self, which: NDArray[np.int64]) -> Equations:
@@ -75,14 +79,15 @@ class Equations:
             return np.empty((2 * len(at.z), 0))
         which, place = np.unique(columns // width, return_inverse=True)
         some = self.chosen(which).displacement(at.of(which, self.panels.p))
-        return np.asarray(some[:, place * width + columns % width])
+        wanted = place * width + columns % width
+        return some if np.array_equal(wanted, np.arange(some.shape[1])) else np.take(some, wanted, axis=1)
 
     def entries(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Array:
         """Of the matrix, at equations (i,) and unknowns (j,)."""
         points, place = np.unique(rows // 2, return_inverse=True)
         at = Targets(self.panels.z[points], points, self.panels.smooth[points // self.panels.p])
-        found = self.caused(at, columns)[2 * place + rows % 2]
-        i, j = np.nonzero(rows[:, None] == columns)
+        found = np.take(self.caused(at, columns), 2 * place + rows % 2, axis=0)
+        _, i, j = np.intersect1d(rows, columns, assume_unique=True, return_indices=True)
         found[i, j] -= np.where(self.known.held.ravel()[rows[i]], 0.0, self.kappa + 1)
         return found
 

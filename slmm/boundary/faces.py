@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-import scipy.linalg as la
 from numpy.typing import NDArray
 
+from slmm.boundary.crack_panels import CrackPanels, straight_rule, tip_rule
 from slmm.boundary.rules import Array, Complex
+from slmm.mechanics.faces_in_contact import ROUND_OFF, closing_pressures
 
-#: overlaps below this share of the largest jump are round-off, and closed places are sought so many times at most
-#: (both chosen)
-ROUND_OFF, MOST_TRIES = 1e-9, 50
-
-
-class FacesError(ValueError):
-    """No set of closed places leaves all others open."""
+Rows = NDArray[np.int64]
 
 
 def opening_of(jump: Complex, direction: Complex) -> Array:
@@ -28,53 +25,55 @@ def overlap(jump: Array, direction: Complex) -> bool:
     return bool(opening.min() < -ROUND_OFF * np.abs(jump).max(initial=1e-300))
 
 
-def held_closed(S: Array, load: Array, direction: Complex) -> tuple[Array, NDArray[np.bool_]]:
-    """Jumps (2 m,) that nowhere overlap, and where faces touch (m,), without friction.
+def lengths_of(cracks: CrackPanels) -> Array:
+    """Length (m,) of cracks that each of their points stands for, mm."""
+    _, straight, _ = straight_rule(cracks.p)
+    root, at_tip, _ = tip_rule(cracks.p)
+    share = np.where(cracks.is_tip[:, None], root * at_tip / (root @ at_tip), 0.5 * straight)
+    return np.asarray((np.abs(cracks.ends - cracks.starts)[:, None] * share).ravel())
+
+
+def held_closed(
+    solve: Callable[[Array], Array], free: Array, cracks: Rows, direction: Complex
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Unknowns (n,) of which jumps nowhere overlap, and where faces touch (m,), without friction.
 
     Parameters
     ----------
-    S : ndarray, shape (2 m, 2 m)
-        From jumps to the resultant force along the cracks, which is i times the traction.
-    load : ndarray, shape (2 m,)
-        What jumps must cause where faces are free.
+    solve : callable
+        The unknowns (n, k) by right-hand sides (n, k), which are resultant forces along cracks in the rows of these,
+        i times the tractions.
+    free : ndarray, shape (n,)
+        The unknowns where faces are free.
+    cracks : ndarray of int, shape (2 m,)
+        Which of them are jumps, real and imaginary parts in turn.
     direction : ndarray, shape (m,)
         Along the cracks.
 
     Raises
     ------
-    FacesError
+    ContactError
         When the search for the places that touch does not end.
     """
-    m = len(direction)
-    turn = np.zeros((m, 2, m, 2))
-    k = np.arange(m)
-    turn[k, 0, k, 0] = turn[k, 1, k, 1] = direction.real
-    turn[k, 0, k, 1], turn[k, 1, k, 0] = direction.imag, -direction.imag
-    # along the crack, and across
-    Q = turn.reshape(2 * m, 2 * m)
-    local, acts = Q @ S @ Q.T, Q @ load
-    # forces along a crack are normal tractions, jumps across it are openings
-    along, across = np.arange(0, 2 * m, 2), np.arange(1, 2 * m, 2)
-    lu = la.lu_factor(local, overwrite_a=True, check_finite=False)
-    unheld = la.lu_solve(lu, acts, check_finite=False)
-    #: jumps by a unit force on each place that has ever touched
-    by_force, asked = np.empty((2 * m, m)), np.zeros(m, dtype=bool)
-    closed = np.zeros(m, dtype=bool)
-    for _ in range(MOST_TRIES):
-        new = np.flatnonzero(closed & ~asked)
-        unit = np.zeros((2 * m, len(new)))
-        unit[along[new], np.arange(len(new))] = 1.0
-        by_force[:, new] = la.lu_solve(lu, unit, overwrite_b=True, check_finite=False)
-        asked[new] = True
-        touch = np.flatnonzero(closed)
-        force = la.solve(by_force[np.ix_(across[touch], touch)], -unheld[across[touch]])
-        jump = unheld + by_force[:, touch] @ force
-        jump[across[touch]] = 0.0
-        tension = np.zeros(m)
-        tension[touch] = force
-        overlaps = jump[across] < -ROUND_OFF * np.abs(jump).max(initial=1e-300)
-        now = (closed & (tension <= 0)) | overlaps
-        if (now == closed).all():
-            return Q.T @ jump, closed
-        closed = now
-    raise FacesError(f"cracks: no set of places where the faces touch was found in {MOST_TRIES} trials")
+    moved = np.zeros((len(free), len(direction)))
+
+    def opening(unknowns: Array) -> Array:
+        jump = unknowns[cracks]
+        return opening_of((jump[::2] + 1j * jump[1::2]).T, direction).T
+
+    def by_pressure(places: Rows) -> Array:
+        right, which = np.zeros((len(free), len(places))), np.arange(len(places))
+        # forces along a crack are normal tractions
+        right[cracks[2 * places], which] = -direction[places].real
+        right[cracks[2 * places + 1], which] = -direction[places].imag
+        moved[:, places] = solve(right)
+        return opening(moved[:, places])
+
+    moves = float(np.abs(free[cracks]).max(initial=1e-300))
+    pressure, closed = closing_pressures(opening(free), by_pressure, moves)
+    held = free + moved @ pressure
+    # what touches moves along the crack alone, to the bit
+    jump, along = held[cracks[::2]] + 1j * held[cracks[1::2]], direction
+    jump = np.where(closed, along * (jump * along.conj()).real, jump)
+    held[cracks[::2]], held[cracks[1::2]] = jump.real, jump.imag
+    return held, closed

@@ -67,10 +67,11 @@ class GrowingFactors:
         self.size = b
 
     def solve(self, right: Array) -> Array:
-        """The solution (m,) for a right-hand side (m,)."""
+        """The solution (m,) for a right-hand side (m,), or (m, k) for k of them."""
         if not self.size:
-            return np.empty(0)
+            return np.empty(right.shape)
         lu = self._lu[:, : self.size]
-        x, _ = dtrtrs(lu, np.asfortranarray(right[self._pivots, None]), lower=1, unitdiag=1)
+        sides = right[self._pivots].reshape(self.size, -1)
+        x, _ = dtrtrs(lu, np.asfortranarray(sides), lower=1, unitdiag=1)
         x, _ = dtrtrs(lu, x, overwrite_b=1)
-        return np.asarray(x[:, 0])
+        return np.asarray(x).reshape(right.shape)

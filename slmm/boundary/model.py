@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as la
 from scipy.spatial import cKDTree
 
 from slmm.boundary.body import Body, check_in_one_piece
@@ -19,7 +18,7 @@ from slmm.boundary.densities import (
     stress_of_boundary,
     stress_of_jumps,
 )
-from slmm.boundary.elimination import Eliminated, eliminated
+from slmm.boundary.elimination import eliminated
 from slmm.boundary.faces import held_closed, opening_of, overlap
 from slmm.boundary.rules import Array, Complex, values_at
 from slmm.boundary.stretches import FINE, Grading
@@ -143,25 +142,10 @@ class BoundaryModel:
             self.touching = np.zeros(len(self.cracks.z), dtype=bool)
             along = np.repeat(self.cracks.direction, self.cracks.p)
             if self.contact and overlap(y[where.cracks], along):
-                y, self.touching = self._held_closed(y, where, along)
+                y, self.touching = held_closed(border.factors.solve, y, where.cracks, along)
             jump = y[where.cracks]
             self.c = jump[::2] + 1j * jump[1::2]
         return body.unknowns(body.base.solution - y @ border.columns, y[where.panels])
-
-    def _held_closed(self, y: Array, where: Eliminated, along: Complex) -> tuple[Array, Array]:
-        """The unknowns of the border where faces of cracks do not overlap, and where they touch."""
-        S, right = self.body.border.matrix, self.body.border.right
-        cracks, others = where.cracks, np.setdiff1d(np.arange(len(y)), where.cracks)
-        inner = la.lu_factor(S[np.ix_(others, others)], check_finite=False)
-        by_cracks = la.lu_solve(inner, S[np.ix_(others, cracks)], check_finite=False)
-        alone = la.lu_solve(inner, right[others], check_finite=False)
-        to_others = S[np.ix_(cracks, others)]
-        y = y.copy()
-        y[cracks], touching = held_closed(
-            S[np.ix_(cracks, cracks)] - to_others @ by_cracks, right[cracks] - to_others @ alone, along
-        )
-        y[others] = alone - by_cracks @ y[cracks]
-        return y, touching
 
     def _take(self, solution: Array) -> None:
         """Densities from the unknowns."""
@@ -322,8 +306,8 @@ class BoundaryModel:
         targets = points[:, 0] + 1j * points[:, 1]
         one, other = self._from_boundary(targets)
         if self.cracks is not None:
-            cracks = of_cracks(self.cracks, targets, np.full(len(targets), -1))
-            one = one + cracks.P @ self.c
-            other = other + cracks.Q @ self.c - cracks.P @ self.c.conj()
+            P, Q = of_cracks(self.cracks, targets, np.full(len(targets), -1)).stress()
+            one = one + P @ self.c
+            other = other + Q @ self.c - P @ self.c.conj()
         mean, difference = 2 * one.real, other
         return np.column_stack([mean - difference.real, mean + difference.real, difference.imag])

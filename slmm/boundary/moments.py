@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-#: half the sum of the distances to a panel's ends, in half panels, beyond which the plain Gauss rule serves
-FAR = 2.0
+#: half the sum of the distances to a panel's ends, in half panels, beyond which the plain Gauss rule serves: about 2
+#: (chosen), and so much more that the middle of a neighbour of the same length, at 2 but for rounding, is always near
+FAR = 2.0 * (1 + 1e-6)
 
 
 @njit(cache=True)

@@ -14,12 +14,12 @@ import scipy.linalg as la
 
 from slmm.boundary.equations import Equations
 from slmm.boundary.panels import Panels
-from slmm.boundary.rules import Array
+from slmm.boundary.rules import Array, Complex
 from slmm.boundary.skeletons import Around, Numbers, Skeleton
 
-#: points of the smallest clusters, and unknowns of skeletons up to which all that is left is factorised (chosen by the
-#: time)
-LEAF, MOST_LEFT = 120, 3500
+#: points of the smallest clusters and of the runs of panels that these are made of, and unknowns of skeletons up to
+#: which all that is left is factorised (chosen by the time)
+LEAF, RUN, MOST_LEFT = 240, 60, 3000
 
 
 class Skeletonised:
@@ -37,13 +37,14 @@ class Skeletonised:
     def __init__(self, equations: Equations, moves: Array, felt: Array) -> None:
         """Join cluster by cluster, and factorise what is left."""
         around = Around(equations, moves, felt)
-        levels = _tree(equations.panels)
-        clusters = [_leaf(around, equations.panels, which) for which in levels.pop()]
+        clusters = [_leaf(around, equations.panels, which) for which in _leaves(equations.panels)]
         while len(clusters) > 1:
             _reduce(around, clusters)
             if sum(len(c.columns) for c in clusters) <= MOST_LEFT:
                 break
-            clusters = [_joined(around, [clusters[k] for k in pair]) for pair in levels.pop()]
+            clusters = [
+                _joined(around, list(pair)) for pair in zip(clusters[::2], clusters[1::2], strict=True)
+            ]
         self._top = clusters[0] if len(clusters) == 1 else _joined(around, clusters)
 
     def solve(self, right: Array) -> Array:
@@ -86,7 +87,8 @@ class _Cluster:
         """Factorise."""
         self.rows, self.columns, self._unknowns = rows, columns, columns
         self._parts, self._between = parts or [], between
-        self._lu = la.lu_factor(matrix, overwrite_a=True, check_finite=False)
+        # transposed it is stored as LAPACK wants it
+        self._lu = la.lu_factor(matrix.T, overwrite_a=True, check_finite=False)
         self.answer = self._by_felt = self._of_rows = self._of_columns = np.empty((0, 0))
 
     def reduce(self, equations: Skeleton, unknowns: Skeleton) -> None:
@@ -96,7 +98,7 @@ class _Cluster:
         felt = (
             _by_parts([part.answer for part in self._parts], self._of_rows) if self._parts else self._of_rows
         )
-        self._by_felt = la.lu_solve(self._lu, felt, check_finite=False)
+        self._by_felt = la.lu_solve(self._lu, felt, trans=1, check_finite=False)
         self.answer = self._of_columns @ self._by_felt
 
     def alone(self, right: Array) -> tuple[Array, list[Any]]:
@@ -104,7 +106,7 @@ class _Cluster:
         own = [part.alone(right) for part in self._parts]
         loads = [part._of_columns @ y for part, (y, _) in zip(self._parts, own, strict=True)]
         load = np.concatenate(loads) if loads else right[self._unknowns]
-        return la.lu_solve(self._lu, load, check_finite=False), own
+        return la.lu_solve(self._lu, load, trans=1, check_finite=False), own
 
     def settle(self, y: Array, own: list[Any], x: Array, felt: Array | None = None) -> None:
         """Write its share of the solution x, with what its skeleton feels of others."""
@@ -160,26 +162,26 @@ def _reduce(around: Around, clusters: list[_Cluster]) -> None:
         )
 
 
-def _tree(panels: Panels) -> list[list[Numbers]]:
-    """Of each level, from the top, which clusters of the next one are joined; of the last one, which panels."""
+def _leaves(panels: Panels) -> list[Numbers]:
+    """Panels of the smallest clusters, two to the power of something, of which each two neighbours are joined next."""
     edges = np.flatnonzero(np.diff(panels.contour, prepend=-1, append=-1))
-    most = max(1, LEAF // panels.p)
-    leaves = [
+    most = max(1, RUN // panels.p)
+    runs = [
         run
         for curve in np.split(np.arange(len(panels.ends)), edges[1:-1])
         for run in np.array_split(curve, -(-len(curve) // most))
     ]
-    middle = np.array([panels.ends[run].mean() for run in leaves])
-    levels, groups = [], [np.arange(len(leaves))]
-    while max(len(group) for group in groups) > 1:
-        halves: list[Numbers] = []
-        pairs = []
-        for group in groups:
-            x = middle[group]
-            order = group[np.argsort(x.real if np.ptp(x.real) >= np.ptp(x.imag) else x.imag)]
-            some = [half for half in np.array_split(order, 2) if len(half)]
-            pairs.append(len(halves) + np.arange(len(some)))
-            halves += some
-        levels.append(pairs)
-        groups = halves
-    return [*levels, [leaves[int(group[0])] for group in groups]]
+    middle = np.array([panels.ends[run].mean() for run in runs])
+    length = np.array([len(run) for run in runs])
+    groups = [np.arange(len(runs))]
+    while max(length[group].sum() for group in groups) * panels.p > LEAF and min(map(len, groups)) > 1:
+        groups = [half for group in groups for half in _halves(group, middle[group], length[group])]
+    return [np.concatenate([runs[k] for k in group]) for group in groups]
+
+
+def _halves(group: Numbers, middle: Complex, length: Numbers) -> tuple[Numbers, Numbers]:
+    """Runs of panels left and right, or below and above, of which both have about the same length."""
+    order = np.argsort(middle.real if np.ptp(middle.real) >= np.ptp(middle.imag) else middle.imag)
+    along = np.cumsum(length[order])
+    half = 1 + int(np.abs(along[:-1] - along[-1] / 2).argmin())
+    return group[order[:half]], group[order[half:]]

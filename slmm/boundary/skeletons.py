@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as la
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from slmm.boundary.densities import Targets
@@ -20,10 +21,14 @@ from slmm.boundary.rules import Array, Complex
 
 Numbers = NDArray[np.int64]
 #: what a decomposition leaves out over the largest column (chosen: K and stress stay the same to 1e-8)
-LEFT_OUT = 1e-11
+LEFT_OUT = 5e-12
 #: radius beyond which all is far, over that of the cluster (chosen by the time), and the terms of a series: the next
-#: ones are below 1.75^-45, which is less than what is left out
-BEYOND, TERMS = 1.75, 45
+#: ones are below 1.5^-64, which is as much as is left out
+BEYOND, TERMS = 1.5, 64
+#: rows over columns beyond which rows are added up with random signs, and in how many sums each one is (chosen: some
+#: rows more than columns, and eight sums, keep what is left out as small; Tropp et al., SIAM J. Sci. Comput. 41 (2019)
+#: A2430-A2463)
+MIXED, IN_ROWS = 1.5, 8
 
 
 class Skeleton(NamedTuple):
@@ -44,17 +49,17 @@ class Skeleton(NamedTuple):
 def skeleton(matrix: Array, weight: Array) -> Skeleton:
     """Of the columns of a matrix (m, n), which are weighed (n,), by a triangular factor with pivots.
 
+    Of many rows sums with random signs tell the same.
+
     Examples
     --------
     >>> found = skeleton(np.outer([1.0, 2.0, 3.0], [1.0, -2.0]), np.ones(2))
     >>> found.kept.tolist(), bool(np.allclose(found.shares, [[-0.5, 1.0]]))
     ([1], True)
     """
-    R = matrix * weight
-    if len(R) > R.shape[1]:
-        (R,) = la.qr(R, mode="r", overwrite_a=True, check_finite=False)
-        R = R[: R.shape[1]]
-    R, order = la.qr(R, mode="r", pivoting=True, overwrite_a=True, check_finite=False)
+    most = int(MIXED * matrix.shape[1])
+    mixed = _mixing(most, len(matrix)) @ matrix if len(matrix) > most else matrix
+    R, order = la.qr(mixed * weight, mode="r", pivoting=True, overwrite_a=True, check_finite=False)
     along = np.abs(np.diag(R))
     k = int(np.count_nonzero(along > LEFT_OUT * along[0]))
     kept, rest = order[:k].astype(np.int64), order[k:]
@@ -63,6 +68,15 @@ def skeleton(matrix: Array, weight: Array) -> Skeleton:
     T = la.solve_triangular(R[:k, :k], R[:k, k:], check_finite=False)
     shares[:, rest] = weight[kept, None] * T / weight[rest]
     return Skeleton(kept, shares)
+
+
+def _mixing(few: int, many: int) -> sp.csc_array:
+    """Adds many rows up to fewer, each with random signs to some of them: how columns depend on each other stays."""
+    rng = np.random.default_rng(0)
+    signs = rng.choice(np.array([-1.0, 1.0]), IN_ROWS * many)
+    return sp.csc_array(
+        (signs, rng.integers(few, size=IN_ROWS * many), IN_ROWS * np.arange(many + 1)), shape=(few, many)
+    )
 
 
 class Circle(NamedTuple):
@@ -128,7 +142,8 @@ class Around:
     def entries(self, rows: Numbers, columns: Numbers) -> Array:
         """Of the whole matrix, for equations (i,) and unknowns (j,)."""
         found = self._equations.entries(rows, columns)
-        return found + self._moves[rows] @ self._felt[:, columns]
+        found += self._moves[rows] @ self._felt[:, columns]
+        return found
 
     def circle(self, rows: Numbers, columns: Numbers) -> Circle:
         """Around the panels of equations and unknowns."""

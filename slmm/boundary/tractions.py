@@ -12,15 +12,14 @@ from functools import cached_property
 import numpy as np
 
 from slmm.boundary.densities import (
-    Linear,
     Targets,
-    displacement_of_boundary,
     displacement_of_highest,
     displacement_of_jumps,
     stress_of_boundary,
     stress_of_jumps,
     traction_of,
 )
+from slmm.boundary.linear import Linear
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex, highest, integration
 
@@ -64,18 +63,17 @@ class Tractions:
         weights = self._half * highest(p) * 1j / (self.kappa + 1)
         return np.asarray((weights * t.reshape(-1, p)).sum(axis=1))
 
-    def displacement(self, at: Targets) -> Linear:
-        """W at targets (t,) by tractions (h,).
+    def displacement(self, at: Targets, by_q: Linear) -> Linear:
+        """W at targets (t,) by tractions (h,), from the weights of q.
 
         With what q has of P_p, which shows at none of a panel's points: it would else be free to grow. q jumps where a
         held stretch ends; such jumps are forces at corners, which hardly any point feels.
         """
-        _, by_q = displacement_of_boundary(self.panels, self.kappa, at)
         behind = displacement_of_jumps(self.kappa, self.behind, self.size, at.z)
         return self._by_values(by_q, behind, displacement_of_highest(self.panels, self.kappa, at))
 
     def caused(self, at: Targets, t: Complex, by_q: Linear) -> Complex:
-        """The same (t,) of given tractions, from the weights of q alone."""
+        """The same (t,) of given tractions."""
         q, behind = self.resultants(t)
         by_behind = displacement_of_jumps(self.kappa, self.behind, self.size, at.z)
         by_highest = displacement_of_highest(self.panels, self.kappa, at)

@@ -88,9 +88,11 @@ def print_fracture(result: xr.Dataset) -> None:
             soft_wrap=True,
         )
     if touches := int(result.touches.sum()):
-        contact = result.attrs["contact"]
-        says = "overlap, and nothing holds them" if contact == "none" else f"hold each other, {contact}"
-        out.print(f"In {touches} steps faces of cracks {says}.", soft_wrap=True)
+        out.print(
+            f"In {touches} steps faces of cracks hold each other, {result.attrs['contact']}, over "
+            f"{float(result.closed.max()):.3g} mm at most.",
+            soft_wrap=True,
+        )
 
 
 def _runs(result: xr.Dataset) -> list[tuple[int, int]]:

@@ -11,6 +11,7 @@ import shapely
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters
 
+from slmm.fem.closed_faces import NodePairs, held_closed
 from slmm.fem.loads import nodal_load
 from slmm.fem.mesh import PlateMesh
 from slmm.fem.plane_stiffness import plane_stiffness
@@ -40,13 +41,19 @@ class PlateModel:
     loading : Loading
     thickness : float
         mm; displacements and what is released are those of 1 mm.
+    contact : bool
+        Whether faces of cracks that would overlap hold each other, without friction.
 
     Attributes
     ----------
     mesh : skfem.MeshTri2
         Vertices first, then the middles of the facets; each face of a crack or of the path with its own.
-    faces : tuple of ndarray, shape (k, 2)
-        Nodes of each crack, right and left face.
+    faces : tuple of ndarray, shape (e, 3, 2)
+        Nodes of the edges of each crack: start, middle and end, on its right and its left face.
+    pairs : NodePairs
+        These nodes as far as they lie on each other.
+    touching : ndarray, shape (m,) of bool
+        Which of them hold each other.
     points : ndarray, shape (n, 2)
         Nodes, mm.
     triangles : ndarray, shape (m, 6)
@@ -64,7 +71,14 @@ class PlateModel:
     factor: SuperLU
     order: np.ndarray
 
-    def __init__(self, mesh: PlateMesh, material: Material, loading: Loading, thickness: float = 1.0) -> None:
+    def __init__(
+        self,
+        mesh: PlateMesh,
+        material: Material,
+        loading: Loading,
+        thickness: float = 1.0,
+        contact: bool = False,
+    ) -> None:
         """Assemble, factorise and solve."""
         self.E, self.nu = material.plane_stress_equivalent
         self.material, self.thickness = material, thickness
@@ -90,8 +104,10 @@ class PlateModel:
         value[jump] = 0.0
         force = to_displacements.T @ self.load.force.ravel()
         self._of_displacements = self.K
+        from_unknowns = to_displacements
         if self.load.bodies:
             bodies = Followers(self.load, self.points, jump)
+            from_unknowns = (to_displacements @ bodies.from_unknowns).tocsr()
             self._prescribed = self._prescribed & ~np.isin(np.arange(2 * n), bodies.masters)
             force, self.K = bodies.force(self.K, force), bodies.stiffness(self.K)
             value[bodies.all] = 0.0
@@ -101,6 +117,33 @@ class PlateModel:
             self._solve(force, value, jump)
         self.u = (to_displacements @ value).reshape(-1, 2)
         self.u[self.load.adrift] = np.nan
+        self.pairs = NodePairs.of(self.points, self.faces)
+        self.touching = np.zeros(len(self.pairs.nodes), dtype=bool)
+        if contact:
+            self._close_faces(from_unknowns)
+
+    def _close_faces(self, from_unknowns: sp.csr_array) -> None:
+        """Let faces of cracks that overlap hold each other."""
+        if self.is_carried_away:
+            raise ValueError(
+                "the load carries a piece of the severed part away: of its pieces none can be held by contact"
+            )
+        unknowns = from_unknowns[:, self.order]
+        jump = np.diff(self.u[self.pairs.nodes], axis=1)
+        held = held_closed(
+            self.pairs.openings(len(self.points)),
+            self.u.ravel(),
+            lambda force: unknowns @ self.factor.solve(unknowns.T @ force),
+            float(np.abs(jump).max(initial=1e-300)),
+        )
+        if held is not None:
+            more, self.touching = held
+            self.u += more.reshape(-1, 2)
+
+    @cached_property
+    def internal_forces(self) -> np.ndarray:
+        """What acts on the nodes (n, 2) of a model without a path, N for each mm of thickness."""
+        return np.asarray((self._of_displacements @ self.u.ravel()).reshape(-1, 2))
 
     @property
     def is_carried_away(self) -> bool:
@@ -110,18 +153,16 @@ class PlateModel:
     def reaction(self, condition: Condition) -> np.ndarray:
         """Force (2,) on the part along a stretch that is held or pulled there, N for each mm of thickness."""
         on = condition.on(self.points)
-        force = np.where(
-            self.load.prescribed, (self._of_displacements @ self.u.ravel()).reshape(-1, 2), self.load.force
-        )
+        force = np.where(self.load.prescribed, self.internal_forces, self.load.force)
         return force[on].sum(axis=0)
 
     @cached_property
     def opening(self) -> np.ndarray:
         """How far the faces of cracks are apart at the middles (k,) of their edges, mm; negative where they overlap."""
         found = [np.empty(0)]
-        for pairs in self.faces:
-            right, left = pairs[1::2].T
-            x, y = (self.points[right] - self.points[pairs[: 2 * len(right) : 2, 0]]).T
+        for edges in self.faces:
+            right, left = edges[:, 1].T
+            x, y = (self.points[right] - self.points[edges[:, 0, 0]]).T
             jump = self.u[left] - self.u[right]
             found.append((jump[:, 1] * x - jump[:, 0] * y) / np.hypot(x, y))
         return np.concatenate(found)

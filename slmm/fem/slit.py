@@ -25,8 +25,9 @@ class SlitMesh:
     right, left : ndarray, shape (2 k,)
         Nodes of the two faces of the trial path, corners and midsides in turn from the mouth inwards, without
         the deepest tip; with the last corner where the path ends on a surface and has no tip.
-    cracks : tuple of ndarray, shape (k, 2)
-        The same nodes of each crack, right and left face, from its start to its end; a tip is on both.
+    cracks : tuple of ndarray, shape (e, 3, 2)
+        Nodes of the edges of each crack from its start to its end: start, middle and end of each, on its right and its
+        left face; a tip is on both.
     """
 
     mesh: MeshTri2
@@ -103,17 +104,18 @@ def open_slits(mesh: PlateMesh) -> SlitMesh:
     at = np.minimum(np.searchsorted(edges[order], facets), len(edges) - 1)
     curved = np.flatnonzero(edges[order][at] == facets) if len(edges) else np.empty(0, dtype=int)
     doflocs[:, len(origin) + curved] = mesh.edge_midpoints()[order][at[curved]].T
-    right, left = _faces(opened, origin, facets, mesh.path, n)
-    pairs = [np.column_stack(_faces(opened, origin, facets, crack, n)) for crack in mesh.cracks]
-    return SlitMesh(replace(opened, doflocs=doflocs), origin, right, left, tuple(pairs))
+    cracks = tuple(_faces(opened, origin, facets, crack, n) for crack in mesh.cracks)
+    faces = _faces(opened, origin, facets, mesh.path, n)
+    right, left = faces[:, :2].reshape(-1, 2).T
+    if len(faces) and faces[-1, 2, 0] != faces[-1, 2, 1]:
+        right, left = np.append(right, faces[-1, 2, 0]), np.append(left, faces[-1, 2, 1])
+    return SlitMesh(replace(opened, doflocs=doflocs), origin, right, left, cracks)
 
 
-def _faces(
-    opened: MeshTri2, origin: np.ndarray, facets: np.ndarray, path: np.ndarray, n: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of the right and the left face of the path, from the facets' vertex pairs as numbers."""
+def _faces(opened: MeshTri2, origin: np.ndarray, facets: np.ndarray, path: np.ndarray, n: int) -> np.ndarray:
+    """Nodes (e, 3, 2) of the edges along a path on its right and its left face, from the facets' vertex pairs."""
     if not len(path):
-        return np.empty(0, dtype=int), np.empty(0, dtype=int)
+        return np.empty((0, 3, 2), dtype=int)
     key = np.sort(np.column_stack([path[:-1], path[1:]]), axis=1) @ [n, 1]
     order = np.argsort(key)
     of_path = np.flatnonzero(np.isin(facets, key))
@@ -122,15 +124,11 @@ def _faces(
     along = opened.p[:, path[step + 1]] - start
     across = opened.p[:, opened.t[:, opened.f2t[0, of_path]]].mean(axis=1) - start
     on_left = along[0] * across[1] > along[1] * across[0]
-    faces, ends_at = [], []
-    for side in (~on_left, on_left):
-        nodes = np.empty((len(path) - 1, 2), dtype=int)
-        ends = opened.facets[:, of_path[side]]
-        nodes[step[side], 0] = np.where(origin[ends[0]] == path[step[side]], ends[0], ends[1])
-        nodes[step[side], 1] = len(origin) + of_path[side]
-        faces.append(nodes.ravel())
-        deepest = ends[:, np.argmax(step[side])]
-        ends_at.append(deepest[origin[deepest] == path[-1]])
-    if ends_at[0] != ends_at[1]:
-        faces = [np.append(face, end) for face, end in zip(faces, ends_at, strict=True)]
-    return faces[0], faces[1]
+    faces = np.empty((len(path) - 1, 3, 2), dtype=int)
+    for k, side in enumerate((~on_left, on_left)):
+        ends, here = opened.facets[:, of_path[side]], step[side]
+        ahead = origin[ends[0]] == path[here]
+        faces[here, 0, k] = np.where(ahead, ends[0], ends[1])
+        faces[here, 1, k] = len(origin) + of_path[side]
+        faces[here, 2, k] = np.where(ahead, ends[1], ends[0])
+    return faces

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.boundary.faces import lengths_of
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.stretches import COARSE
 from slmm.criteria.distances import point_distance
@@ -22,8 +23,6 @@ Array = NDArray[np.float64]
 #: Gauss points on panels of the boundary and of cracks, by the error of U_T that they reach; chosen on
 #: validation/fracture_references.py
 ORDERS = ((2e-3, (6, 5)), (1e-4, (8, 8)), (0.0, (10, 10)))
-#: share of the points on cracks whose faces touch that counts; the ends of cracks may by their discretisation; chosen
-TOUCHING = 0.02
 #: K_I is none below this share of the stress along surfaces times sqrt(pi a); round-off and discretisation
 NO_OPENING = 1e-4
 
@@ -45,10 +44,10 @@ class BoundaryState:
         return self.model.work
 
     @property
-    def touches(self) -> bool:
-        """Whether faces of cracks hold each other over more than the last points before their ends."""
-        touching = self.model.touching
-        return bool(len(touching) and touching.mean() > TOUCHING)
+    def closed(self) -> float:
+        """Length of cracks whose faces hold each other, mm."""
+        cracks = self.model.cracks
+        return 0.0 if cracks is None else float(lengths_of(cracks)[self.model.touching].sum())
 
     def events(self, rules: Rules) -> list[Event]:
         """What may happen next, where it competes with the lowest load."""

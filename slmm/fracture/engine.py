@@ -42,8 +42,8 @@ class State(Protocol):
         ...
 
     @property
-    def touches(self) -> bool:
-        """Whether faces of cracks meet."""
+    def closed(self) -> float:
+        """Length of cracks whose faces hold each other, mm."""
         ...
 
     def events(self, rules: Rules) -> list[Event]:

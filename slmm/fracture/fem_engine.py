@@ -15,15 +15,13 @@ from numpy.typing import NDArray
 from slmm.boundary.contour import Places
 from slmm.criteria.distances import point_distance
 from slmm.fem.plate_model import PlateModel
-from slmm.fracture.contour_integrals import stress_intensities
 from slmm.fracture.engine import Rules, competing_events, growth_load, unloaded
 from slmm.fracture.events import Event, Kind, starts
 from slmm.fracture.exclusion import Exclusion
-from slmm.fracture.fem_mesh import clear_radii, crack_mesh
+from slmm.fracture.fem_mesh import crack_mesh
 from slmm.fracture.fem_surface import Ring, rings
+from slmm.fracture.fem_tips import tip_stress_intensities, tip_t_stresses
 from slmm.fracture.surface_peaks import Sampled, Site, at_corners, at_peaks
-from slmm.fracture.t_stress import t_stress
-from slmm.fracture.tips import CrackTip
 from slmm.mechanics.material import Material
 from slmm.mechanics.stress import principal_stress
 from slmm.part.outline import Outline
@@ -42,12 +40,10 @@ NO_TENSION = 1e-3
 #: the stress below surfaces may be higher by this factor than a mesh says that is not made for it; and how much smaller
 #: elements are, beside where cracks may start, on one that is: its stress is within 3e-4; both chosen
 ROUGH, AT_SITES = 1.05, 0.15
-#: share of the nodes on cracks whose faces overlap that counts, and the overlap over the largest opening; chosen
-TOUCHING, OVERLAP = 0.02, 1e-3
 
 
 class FemState:
-    """A part with its cracks under the scene's own load; faces that overlap do not hold each other.
+    """A part with its cracks under the scene's own load; faces that would overlap hold each other, without friction.
 
     Parameters
     ----------
@@ -76,7 +72,7 @@ class FemState:
         self.fineness, self.curves = fineness, curves
         self.depth = point_distance(material)
         self.mesh = crack_mesh(part, loading, self.depth, fineness, fine_at)
-        self.model = PlateModel(self.mesh, material, loading, part.thickness)
+        self.model = PlateModel(self.mesh, material, loading, part.thickness, contact=True)
         self._at_sites: FemState | None = None
 
     @property
@@ -85,11 +81,9 @@ class FemState:
         return _work(self.model)
 
     @property
-    def touches(self) -> bool:
-        """Whether faces of cracks overlap; they do not hold each other."""
-        opening = self.model.opening
-        overlaps = opening < -OVERLAP * np.abs(opening).max(initial=0.0)
-        return bool(len(opening) and overlaps.mean() > TOUCHING)
+    def closed(self) -> float:
+        """Length of cracks whose faces hold each other, mm."""
+        return float(self.model.pairs.length[self.model.touching].sum())
 
     @cached_property
     def K(self) -> Array:
@@ -116,7 +110,9 @@ class FemState:
     def finer(self, event: Event) -> tuple[float, float]:
         """Work and the load of an event on a mesh with elements half as large, for estimates of errors."""
         coarser = self._at_sites if event.kind is Kind.START and self._at_sites else self
-        model = PlateModel(coarser.mesh.refined(), self.material, self.loading, self.part.thickness)
+        model = PlateModel(
+            coarser.mesh.refined(), self.material, self.loading, self.part.thickness, contact=True
+        )
         if event.kind is Kind.GROWTH:
             K = tip_stress_intensities(model, self.part)[event.tip]
             return _work(model), growth_load(K, self.material)
@@ -160,38 +156,7 @@ class FemState:
 
 
 def _work(model: PlateModel) -> float:
-    u = model.u.ravel()
-    return float(u @ (model.K @ u))
-
-
-def tip_stress_intensities(model: PlateModel, part: Part) -> Array:
-    """K_I and K_II (k, 2) of the tips of a part, MPa sqrt(mm), by the interaction integral over all that is clear.
-
-    Parameters
-    ----------
-    model : PlateModel
-        Of the part.
-    part : Part
-    """
-    (elasticity,) = model.results.elasticity
-    K = [stress_intensities(model.results, tip, tip.clear, elasticity) for tip in _tips(model, part)]
-    return np.array(K).reshape(-1, 2)
-
-
-def tip_t_stresses(model: PlateModel, part: Part) -> Array:
-    """T (k,) of the tips of a part, MPa; parameters as of `tip_stress_intensities`."""
-    (elasticity,) = model.results.elasticity
-    return np.array([t_stress(model.results, tip, tip.clear, elasticity) for tip in _tips(model, part)])
-
-
-def _tips(model: PlateModel, part: Part) -> list[CrackTip]:
-    """The tips of a part in a mesh, of whose faces without traction nothing is asked."""
-    none, tips = np.empty((0, 3), dtype=int), []
-    for line, clear in zip(part.tips, clear_radii(part), strict=True):
-        x, y = line[-1] - line[-2]
-        node = np.linalg.norm(model.points - line[-1], axis=1).argmin()
-        tips.append(CrackTip(line[-1], float(np.arctan2(y, x)), np.array([node]), none, none, clear))
-    return tips
+    return float(model.u.ravel() @ model.internal_forces.ravel())
 
 
 class FemEngine:
@@ -217,7 +182,7 @@ class FemEngine:
     @property
     def described(self) -> dict[str, object]:
         """What it is, as attributes of a result."""
-        return {"engine": "fem", "fineness": self.fineness, "contact": "none"}
+        return {"engine": "fem", "fineness": self.fineness, "contact": "without friction"}
 
     def solve(self, part: Part) -> FemState:
         """The part with its cracks.

@@ -112,9 +112,15 @@ def fracture_result(
             ),
             "touches": (
                 "step",
-                np.array([s.touches for s in steps], dtype=bool),
+                np.array([s.closed > 0 for s in steps], dtype=bool),
                 "1",
                 "whether faces of cracks meet",
+            ),
+            "closed": (
+                "step",
+                [s.closed for s in steps],
+                "mm",
+                "length of cracks whose faces hold each other",
             ),
             "crack_x": (("crack", "point"), x, "mm", "x along the cracks"),
             "crack_y": (("crack", "point"), y, "mm", "y along the cracks"),

@@ -97,8 +97,8 @@ class Step:
         By which it became longer, mm.
     gap : float
         By which share the next event's load was higher; NaN where there was none.
-    touches : bool
-        Whether faces of cracks held each other.
+    closed : float
+        Length of cracks whose faces held each other, mm.
     candidates : tuple of Candidate
         All that was in question, the event among it.
     finer : (float, float)
@@ -115,7 +115,7 @@ class Step:
     arrested_by: str
     length: float
     gap: float
-    touches: bool
+    closed: float
     candidates: tuple[Candidate, ...]
     finer: tuple[float, float] = (math.nan, math.nan)
     excluded: tuple[Excluded, ...] = ()

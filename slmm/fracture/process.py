@@ -164,7 +164,7 @@ class Process:
             self._name(grown.arrested_by),
             float(np.linalg.norm(grown.end - event.point)),
             gap,
-            state.touches,
+            state.closed,
             tuple(self._candidate(event, u) for event in events),
             finer,
             excluded,

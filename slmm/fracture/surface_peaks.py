@@ -209,7 +209,7 @@ def _followed(brackets: Sequence[Bracket], stress_below: StressBelow, exclusion:
         number, at = _maxima(value) if width == 1.0 else (np.arange(len(value)), value.argmax(axis=1))
         brackets, value = [brackets[k] for k in number], value[number]
         low, high, middle, half = low[number], high[number], middle[number], half[number]
-        middle = middle + width * half * fine[at]
+        middle = middle + width * half * _summits(fine, value, at)
     curves = [bracket.curve for bracket in brackets]
     ends = np.array([bracket.ends for bracket in brackets])
     near = np.column_stack([middle - low, high - middle]) <= AT_END * half[:, None]
@@ -233,6 +233,19 @@ def _maxima(value: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         number += [k] * len(own)
         at += own
     return np.array(number), np.array(at)
+
+
+def _summits(x: Array, values: Array, top: NDArray[np.int64]) -> Array:
+    """Where the rows of values (k, n) at evenly spaced x (n,) are largest beside one of them, by a parabola.
+
+    The largest value alone stands at one point or its neighbour as rounding decides.
+    """
+    row, inner = np.arange(len(values)), np.clip(top, 1, len(x) - 2)
+    low, middle, high = (values[row, inner + k] for k in (-1, 0, 1))
+    bend = np.where(top == inner, low - 2 * middle + high, 0.0)
+    flat = bend >= 0
+    beside = np.where(flat, 0.0, 0.5 * (low - high) / np.where(flat, 1.0, bend))
+    return np.asarray(x[top] + beside * (x[1] - x[0]))
 
 
 def _joined(places: Sequence[Places]) -> Places:

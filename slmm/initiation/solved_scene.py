@@ -14,8 +14,9 @@ from pydantic import ConfigDict, Field, SkipValidation, model_validator
 
 from slmm.initiation.given_field import displacement_field
 from slmm.mechanics.material import Material
+from slmm.part.chords import chords
 from slmm.part.outline import Outline
-from slmm.part.part import OUTLINE_SAMPLES, Part
+from slmm.part.part import Part
 from slmm.part.span import Span
 from slmm.results.field import DisplacementField
 from slmm.results.outlines import Ring, mesh_outlines
@@ -64,7 +65,7 @@ class SolvedScene(Scene):
 
     @property
     def _uncracked(self) -> Part:
-        corners = self._rim.polygon(OUTLINE_SAMPLES)[::-1]
+        corners = chords(self._rim)[::-1]
         return Part(corners, tuple(outline for _, outline in self._named_outlines), (), 1.0, self._rim)
 
     def with_(self, **changes: Any) -> Self:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from shapely.validation import explain_validity
 
 from slmm.part.edges import Edges, material_on_edges
 from slmm.part.outline import Outline
-from slmm.part.part import TOLERANCE
+from slmm.part.part import TOLERANCE, are_apart
 from slmm.part.union import united
 
 Array = NDArray[np.float64]
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 #: lines that are nearer than the tolerance for so many tolerances run along each other: at an angle below half a
 #: degree; chosen
 ALONG = 200
+#: outlines whose polygons are kept, for all checks of a scene ask for them; chosen
+LAST = 64
 
 
 def overlaps_united(
@@ -66,7 +69,8 @@ def hole_problems(outlines: Sequence[Outline], names: Sequence[str], outer: Poly
         return problems  # the operations below need valid polygons
 
     # what holes do beyond the part is of no importance
-    nearby = [hole.intersection(around) for hole in holes]
+    prepare(around)
+    nearby = [hole if around.contains_properly(hole) else hole.intersection(around) for hole in holes]
     for name, hole, near in zip(names, holes, nearby, strict=True):
         left, bottom, right, top = hole.bounds
         extent = f"it spans x = {left:.6g} to {right:.6g}, y = {bottom:.6g} to {top:.6g}"
@@ -105,7 +109,7 @@ def hole_problems(outlines: Sequence[Outline], names: Sequence[str], outer: Poly
     if problems:
         return problems
 
-    rest = outer.difference(unary_union(holes))
+    rest = _material(holes, outer)
     if isinstance(rest, MultiPolygon):
         places = " and ".join(
             "({:.4g}, {:.4g})".format(*piece.representative_point().coords[0]) for piece in rest.geoms
@@ -120,8 +124,7 @@ def crack_problems(cracks: Sequence[Array], outlines: Sequence[Outline], outer: 
     Each end may lie in the material, then it is a tip, on a surface or in a hole, or on another crack.
     """
     tolerance = _tolerance(outer)
-    holes = unary_union([_polygon(outline) for outline in outlines])
-    material = outer.difference(holes)
+    material = _material([_polygon(outline) for outline in outlines], outer)
     problems: list[str] = []
     lines: list[tuple[int, LineString]] = []
     for i, points in enumerate(cracks):
@@ -151,6 +154,13 @@ def crack_problems(cracks: Sequence[Array], outlines: Sequence[Outline], outer: 
             if b > a and first.intersection(second.buffer(tolerance)).length > ALONG * tolerance:
                 problems.append(f"cracks[{i}] and cracks[{j}]: run along each other")
     return problems
+
+
+def _material(holes: Sequence[Polygon], outer: Polygon) -> Polygon | MultiPolygon:
+    """What holes leave of a part."""
+    if are_apart(holes, outer):
+        return Polygon(outer.exterior, [hole.exterior for hole in holes])
+    return outer.difference(unary_union(holes))
 
 
 def _tolerance(outer: Polygon) -> float:
@@ -209,6 +219,7 @@ def edges_of(outlines: Sequence[Outline], width: float, height: float) -> Edges:
     return material_on_edges([_polygon(outline) for outline in outlines], width, height)
 
 
+@lru_cache(maxsize=LAST)
 def _polygon(outline: Outline) -> Polygon:
     # four points per piece: a chord then stays within 3e-6 radii of the outline, below the tolerance
     parts = outline.breaks[:-1, None] + np.diff(outline.breaks)[:, None] * np.arange(4) / 4

@@ -67,6 +67,8 @@ def in_material(points: Array, body: shapely.Polygon, tolerance: float) -> Array
     ValueError
         When it is not one stretch.
     """
+    if _is_inside(points, body, tolerance):
+        return points
     line = shapely.LineString(points)
     parts = [part for part in shapely.get_parts(line.intersection(body)) if part.length > tolerance]
     if len(parts) != 1 or parts[0].geom_type != "LineString":
@@ -74,6 +76,17 @@ def in_material(points: Array, body: shapely.Polygon, tolerance: float) -> Array
     inside = shapely.get_coordinates(parts[0])
     along = [line.project(shapely.Point(point)) for point in (inside[0], inside[-1])]
     return inside if along[0] < along[1] else inside[::-1]
+
+
+def _is_inside(points: Array, body: shapely.Polygon, tolerance: float) -> bool:
+    """Whether a line (n, 2) lies in the body but for a tolerance at its ends, which decides nothing."""
+    steps = np.diff(points[[0, 1, -1, -2]], axis=0)[::2]
+    lengths = np.linalg.norm(steps, axis=1)
+    if lengths.min() <= 2 * tolerance:
+        return False
+    inner = points.copy()
+    inner[[0, -1]] += tolerance * steps / lengths[:, None]
+    return bool(shapely.contains_properly(body, shapely.LineString(inner)))
 
 
 def located(
@@ -98,7 +111,7 @@ def located(
     tolerance : float
         An end as near to a surface or to another crack lies on it, mm.
     known : sequence of Crack
-        Those of the same body that have been located: the first lines may be theirs.
+        Those of the same body that have been located: the first lines may be theirs, or go on from these.
 
     Raises
     ------
@@ -106,14 +119,20 @@ def located(
         When a line is not one stretch in the body.
     """
     cracks = []
+    shapely.prepare(body)
     for number, line in enumerate(lines):
         if number < len(known) and line is known[number].points:
             cracks.append(known[number])
             continue
         line = np.asarray(line, dtype=float)
         points = in_material(line, body, tolerance).copy()
+        old = known[number] if number < len(known) else None
         ends = []
         for k in (0, -1):
+            if old is not None and (line[k] == old.points[k]).all():
+                points[k] = line[k]
+                ends.append(old.end if k else old.start)
+                continue
             # the body's chords may have cut off what lies on the surface
             if np.linalg.norm(points[k] - line[k]) <= tolerance:
                 points[k] = line[k]
@@ -183,10 +202,11 @@ def joined(cracks: Sequence[Crack], tolerance: float) -> list[Array]:
     if len(lines) < 2:
         return lines
     shapes = [shapely.LineString(line) for line in lines]
-    tree = shapely.STRtree(shapes)
-    for i, k in zip(*tree.query(shapes, predicate="dwithin", distance=tolerance), strict=True):
-        if i >= k:
-            continue
+    near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=tolerance).T
+    pairs = [(i, k) for i, k in near.tolist() if i < k]
+    if not pairs:
+        return lines
+    for i, k in pairs:
         ends = [
             crack.points[place]
             for crack, other in ((cracks[i], cracks[k]), (cracks[k], cracks[i]))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -18,6 +20,17 @@ Array = NDArray[np.float64]
 
 #: lengths below this share of the part's larger side count as zero; chosen
 TOLERANCE = 1e-5
+
+
+def are_apart(holes: Sequence[shapely.Polygon], whole: shapely.Polygon) -> bool:
+    """Whether holes lie inside a whole, valid ones that touch neither its edge nor each other."""
+    if not holes:
+        return True
+    shapely.prepare(whole)
+    if not shapely.contains_properly(whole, holes).all() or not shapely.is_valid(holes).all():
+        return False
+    pairs = shapely.STRtree(holes).query(holes, predicate="intersects")
+    return len(pairs.T) == len(holes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +140,11 @@ class Part:
         ValueError
             When the holes cut it in pieces or leave nothing of it.
         """
+        whole = shapely.Polygon(self.outer)
         notches = [shapely.Polygon(chords(hole)) for hole in self.holes]
-        body = shapely.Polygon(self.outer).difference(shapely.union_all(notches))
+        if are_apart(notches, whole):
+            return shapely.Polygon(self.outer, [notch.exterior for notch in notches])
+        body = whole.difference(shapely.union_all(notches))
         if body.geom_type != "Polygon" or body.is_empty:
             (left, bottom), (right, top) = self.box
             raise ValueError(
@@ -169,7 +185,42 @@ class Part:
     @property
     def is_severed(self) -> bool:
         """Whether the cracks cut it in pieces."""
-        return len(self.pieces) > 1
+        return self._closes_loops and len(self.pieces) > 1
+
+    @cached_property
+    def _closes_loops(self) -> bool:
+        """Whether cracks and the surfaces that they end on make a closed line, without which nothing is cut off."""
+        places = Counter(point for line in self.crack_lines for point in map(tuple, line.tolist()))
+        ends = [
+            line[k]
+            for crack, line in zip(self.cracks, self.crack_lines, strict=True)
+            for k, end in ((0, crack.start), (-1, crack.end))
+            if end.kind == "surface"
+        ]
+        surfaces = iter(self._surfaces.nearest(shapely.points(ends)).tolist() if ends else [])
+        joined: dict[object, object] = {}
+
+        def root(place: object) -> object:
+            while place in joined:
+                place = joined[place]
+            return place
+
+        for crack, line in zip(self.cracks, self.crack_lines, strict=True):
+            if not shapely.LineString(line).is_simple:
+                return True
+            met: list[object] = [place for place in map(tuple, line.tolist()) if places[place] > 1]
+            met = [next(surfaces), *met] if crack.start.kind == "surface" else met
+            met = [*met, next(surfaces)] if crack.end.kind == "surface" else met
+            for one, other in pairwise(met):
+                if (here := root(one)) == (there := root(other)):
+                    return True
+                joined[here] = there
+        return False
+
+    @cached_property
+    def _surfaces(self) -> shapely.STRtree:
+        """The closed curves around the body."""
+        return shapely.STRtree(shapely.get_rings(self.body))
 
     def end_at(self, point: Array) -> End:
         """What a crack would end at whose last point (2,) this is."""
@@ -240,5 +291,8 @@ class Part:
 
     def _with(self, cracks: tuple[Crack, ...]) -> Part:
         cracked = replace(self, cracks=cracks)
-        cracked.__dict__["body"] = self.body  # cracks leave it as it is
+        cracked.__dict__["body"], cracked.__dict__["_surfaces"] = (
+            self.body,
+            self._surfaces,
+        )  # cracks leave these
         return cracked

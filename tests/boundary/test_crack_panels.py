@@ -70,8 +70,9 @@ def test_segments_of_a_straight_crack_change_nothing():
 
 
 def test_a_crack_whose_ends_are_one_place_is_refused():
-    """Beside another crack ends nearer than the part's tolerance are joined."""
-    part = Part.plate(80.0, 80.0, cracks=[[(0.0, 20.0), (10.0, 20.0)]])
+    """Where cracks meet, points nearer to each other than the part's tolerance are one."""
+    meeting = [[(0.0, 20.0), (10.0, 20.0)], [(10.0, 20.0), (15.0, 25.0)]]
+    part = Part.plate(80.0, 80.0, cracks=meeting)
     short = part.with_short_crack(np.array([0.0, 60.0]), np.array([0.5 * part.tolerance, 60.0]))
     with pytest.raises(
         ValueError, match=r"a segment of 0.0004 mm is one place; it must be longer than 0.0008"

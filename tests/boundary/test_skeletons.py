@@ -15,6 +15,16 @@ def test_shares_of_kept_columns_give_all():
     np.testing.assert_array_equal(shares[:, kept], np.eye(12))
 
 
+def test_lone_rows_among_many_count():
+    rng = np.random.default_rng(0)
+    matrix = np.zeros((400, 40))
+    lone = rng.choice(400, 12, replace=False)
+    matrix[lone] = rng.normal(size=(12, 40))
+    kept, shares = skeleton(matrix, np.ones(40))
+    assert len(kept) == 12
+    np.testing.assert_allclose(matrix[:, kept] @ shares, matrix, atol=1e-9)
+
+
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
 def test_what_comes_from_far_is_among_the_series(angle):
     kappa, rng = 2.1, np.random.default_rng(1)

@@ -12,7 +12,7 @@ C = 1e-3
 
 def step(u_c, stiffness, kind=Kind.GROWTH, crack=0, length=1.0, arrested_by=""):
     event = Event(u_c, kind, np.zeros(2), np.array([1.0, 0.0]), tip=0)
-    return Step(u_c, stiffness, event, crack, (0.0, 0.0), arrested_by, length, np.nan, False, False, ())
+    return Step(u_c, stiffness, event, crack, (0.0, 0.0), arrested_by, length, np.nan, 0.0, ())
 
 
 def cantilevers(increment, first=10.0, last=20.0):

@@ -97,13 +97,15 @@ def test_the_finer_mesh_tells_the_error():
     assert abs(load / true - 1) < 5e-4
 
 
-def test_faces_that_overlap_are_told():
-    crack = [{"points": [[30.0, 30.0], [50.0, 50.0]]}]
-    pressed = solved(tensile_plate(cracks=crack, load={"stress": -10.0}))
-    assert pressed.touches
-    events = pressed.events(Rules(Direction("MTS"), point_method))
-    assert all(event.kind is Kind.START or event.K[0] == 0.0 for event in events)
-    assert not solved(tensile_plate(cracks=crack)).touches
+def test_the_work_of_a_stretch_that_moves_as_one_body_is_that_by_boundary_integrals():
+    boundary = [
+        {"from": [0.0, 0.0], "to": [40.0, 0.0], "displacement": [0.0, 0.0]},
+        {"from": [40.0, 70.0], "to": [0.0, 70.0], "stiff": True, "force": [0.0, 2400.0]},
+    ]
+    plate = {"plate": {"width": 40.0, "height": 70.0}, "material": {"name": "PMMA"}, "boundary": boundary}
+    gripped = Scene.from_dict({**plate, "cracks": [{"points": [[0.0, 35.0], [8.0, 35.0]]}]})
+    model = BoundaryModel(gripped.part, gripped.material, gripped.loading, 10, 10)
+    assert solved(gripped).work == pytest.approx(model.work, rel=1e-3)
 
 
 @pytest.mark.parametrize(("holes", "U_T"), [([], 106.919), ([(40.0, 40.0, 8.0)], 274.276)])

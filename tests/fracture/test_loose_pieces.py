@@ -12,6 +12,7 @@ from slmm.optimization import HolePattern
 from slmm.part.part import Part
 from slmm.scene.gallery import tensile_plate
 from slmm.scene.loading import plate_loading
+from slmm.scene.scene import Scene
 
 PLATE = Part.plate(40.0, 40.0)
 PULLED = plate_loading(40.0, 40.0, displacement=1.0)
@@ -43,6 +44,29 @@ def test_halves_carry_nothing(loading):
 
 def test_a_loaded_corner_that_nothing_holds_falls_off():
     assert carrying_piece(PLATE.with_crack([(0.0, 10.0), (10.0, 0.0)]), STRESSED) is None
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["level", "upright"])
+@pytest.mark.parametrize("beside", [0.0, 3.0], ids=["at the load", "beside it"])
+def test_a_beam_on_knife_edges_is_severed_by_a_crack_through_it(turned, beside):
+    """The one half that is loaded has but one knife edge, which holds no moment."""
+
+    def at(x, y):
+        return [20.0 - y, x] if turned else [x, y]
+
+    held = [0.0, "free"] if turned else ["free", 0.0]
+    edges = [{"at": at(x, 0.0), "width": 0.5, "displacement": held} for x in (10.0, 90.0)]
+    load = {"at": at(50.0, 20.0), "width": 0.5, "force": [100.0, 0.0] if turned else [0.0, -100.0]}
+    crack = [at(x, y) for x, y in ((47.0, 0.0), (48.1, 9.0), (50.0 - beside, 20.0))]
+    sides = (20.0, 100.0) if turned else (100.0, 20.0)
+    scene = Scene.from_dict(
+        {
+            "plate": dict(zip(("width", "height"), sides, strict=True)),
+            "material": {"name": "PMMA"},
+            "boundary": [*edges, load],
+        }
+    )
+    assert carrying_piece(scene.part.with_crack(crack), scene.loading) is None
 
 
 def test_two_that_carry_are_told():

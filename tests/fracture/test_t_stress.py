@@ -5,7 +5,8 @@ import pytest
 
 from slmm.boundary.model import BoundaryModel
 from slmm.fem.plate_model import PlateModel
-from slmm.fracture.fem_engine import FemEngine, tip_t_stresses
+from slmm.fracture.fem_engine import FemEngine
+from slmm.fracture.fem_tips import tip_t_stresses
 from slmm.fracture.t_stress import force_gradients
 from slmm.mechanics.elasticity import Elasticity
 from slmm.scene.gallery import tensile_plate

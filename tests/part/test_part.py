@@ -123,6 +123,34 @@ def test_severed_parts_know_their_pieces(cracks, pieces):
     assert sum(piece.area for piece in part.pieces) == pytest.approx(part.body.area, rel=1e-9)
 
 
+@given(seed=st.integers(0, 10_000))
+def test_whether_a_part_is_severed_is_known_without_its_pieces(seed):
+    rng = np.random.default_rng(seed)
+    part = Part.plate(100.0, 80.0, [hole(30, 40, 12), hole(70, 40, 12)])
+    for _ in range(rng.integers(1, 6)):
+        line = rng.uniform(-5, 105, (2, 2)) * (1, 0.8)
+        try:
+            part = part.with_crack(line)
+        except ValueError:
+            continue
+    assert part.is_severed == (len(part.pieces) > 1)
+
+
+@given(seed=st.integers(0, 10_000))
+def test_a_crack_that_has_grown_is_that_along_its_whole_line(seed):
+    rng = np.random.default_rng(seed)
+    part = Part.plate(100.0, 80.0, [hole(50, 60, 12)], [[(0, 20), (5, 20)], [(60, 10), (70, 12)]])
+    tips = np.array([line[-1] for line in part.tips])
+    for _ in range(8):
+        tip = int(rng.integers(len(part.tips)))
+        part = part.grown(tip, part.tips[tip][-1] + rng.uniform(-1, 6, 2))
+        if len(part.tips) < len(tips):
+            break
+    whole = Part.plate(100.0, 80.0, part.holes, [crack.points for crack in part.cracks])
+    for one, other in zip(part.cracks, whole.cracks, strict=True):
+        assert np.array_equal(one.points, other.points) and (one.start, one.end) == (other.start, other.end)
+
+
 @given(
     start=st.tuples(st.floats(1, 99), st.floats(1, 79)),
     end=st.tuples(st.floats(1, 99), st.floats(1, 79)),

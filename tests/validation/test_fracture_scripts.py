@@ -19,6 +19,20 @@ def test_random_patterns_end_with_an_outcome_and_their_energy_is_told():
     assert all(check.holds for check in script("fracture_patterns").main(quick=True))
 
 
+@pytest.mark.slow
+def test_simple_designs_are_as_tough_as_published():
+    checks = script("fracture_designs").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+    assert sum(check.source == "published" for check in checks) == 6
+
+
+@pytest.mark.slow
+def test_increments_change_little_where_nothing_competes():
+    checks = script("fracture_increments").main(quick=True)
+    assert all(check.holds for check in checks), [check for check in checks if not check.holds]
+    assert len(checks) == 6
+
+
 def test_a_simulation_that_raises_or_takes_too_long_is_counted(monkeypatch):
     patterns = script("fracture_patterns")
     sound = patterns.broken(0, 0)

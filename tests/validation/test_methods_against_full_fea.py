@@ -87,3 +87,4 @@ def test_simulated_plates_have_the_toughness_of_the_references():
     checks = script("fracture_references").main(quick=True)
     assert all(check.holds for check in checks), [check for check in checks if not check.holds]
     assert len(of(checks, quantity="U_T, mJ")) == 5
+    assert sum(check.source == "Tada, 0.5 %" for check in checks) == 4

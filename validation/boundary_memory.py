@@ -1,0 +1,139 @@
+"""Memory of a whole process that reads a scene and tells K of an edge crack in a plate with three holes.
+
+What it has taken at most after each step, in a process of its own with compiled kernels at hand, on Linux: libraries
+one after the other, the package, numba's first kernel, the answer. Half of it are pages of libraries' files, which
+processes share and the system may drop; what is the process's own is read 500 times a second.
+
+Required: less than 200 MB of its own; all of it is told. Writes validation/results/boundary_memory.csv, ten seconds;
+``--quick`` no file.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from checks import Check
+
+SCENE = """
+[plate]
+width = 100.0
+height = 100.0
+[[holes]]
+shape = "circle"
+center = [28.0, 44.0]
+radius = 6.0
+[[holes]]
+shape = "circle"
+center = [46.0, 30.0]
+radius = 5.0
+[[holes]]
+shape = "circle"
+center = [70.0, 60.0]
+radius = 7.0
+[[cracks]]
+points = [[0.0, 50.0], [15.0, 50.0]]
+[material]
+name = "PMMA"
+[load]
+displacement = 0.1
+"""
+MOST = 200.0
+#: s between two looks at the memory
+READ_EVERY = 0.002
+#: what the package is built on and loads for this
+LIBRARIES = (
+    "numpy",
+    "scipy.linalg",
+    "scipy.sparse",
+    "scipy.spatial",
+    "scipy.interpolate",
+    "shapely",
+    "pydantic",
+    "numba",
+)
+
+
+def taken() -> float:
+    """Largest memory of this process so far, MB; ru_maxrss would start from that of the parent process."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith("VmHWM:"):
+            return int(line.split()[1]) / 1024
+    raise OSError("/proc/self/status has no VmHWM: peak memory is measured on Linux only")
+
+
+def measure(path: str) -> None:
+    """Print K and what has been taken after each step."""
+    steps = {"python": taken()}
+    for name in LIBRARIES:
+        importlib.import_module(name)
+        steps[name] = taken()
+    from slmm import read_scene
+    from slmm.boundary.model import BoundaryModel
+    from slmm.boundary.moments import is_far
+
+    scene = read_scene(path)
+    steps["slmm and the scene"] = taken()
+    is_far(1j)
+    steps["the first kernel"] = taken()
+    model = BoundaryModel(scene.part, scene.material, scene.loading)
+    K = model.stress_intensities()[0]
+    steps["the answer"] = taken()
+    print(json.dumps({"K": K.tolist(), "points": model.panels.n, "steps": steps}))
+
+
+def watched(command: list[str], environment: dict[str, str]) -> tuple[str, float]:
+    """What a process prints, and how much memory was its own at most, MB: resident pages that are of no file."""
+    page, own = os.sysconf("SC_PAGE_SIZE") / 1024**2, 0
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        pages = Path(f"/proc/{process.pid}/statm")
+        while process.poll() is None:
+            _, resident, of_files, *_ = (int(number) for number in pages.read_text().split())
+            own = max(own, resident - of_files)
+            time.sleep(READ_EVERY)
+        assert process.stdout is not None
+        printed = process.stdout.read()
+    if process.returncode:
+        raise subprocess.CalledProcessError(process.returncode, command, printed)
+    return printed, own * page
+
+
+def main(quick: bool = False) -> list[Check]:
+    """Measure in a process of its own, the second one of two: the first compiles the kernels."""
+    from checks import Check, save, show
+
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "three_holes.toml"
+        path.write_text(SCENE)
+        command = [sys.executable, __file__, "--measure", str(path)]
+        for _ in range(2):
+            answer, own = watched(command, environment)
+    found = json.loads(answer.splitlines()[-1])
+    case = f"plate with three holes and a crack, {found['points']} points"
+    checks = [
+        Check(case, f"MB with {name}", float("nan"), most, rule="told")
+        for name, most in found["steps"].items()
+    ]
+    checks.append(Check(case, "MB of the process's own, at most", MOST, own, rule="at most"))
+    show("Memory of a process", checks)
+    if not quick:
+        save("boundary_memory", (check.row() for check in checks))
+    return checks
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--measure"]:
+        measure(sys.argv[2])
+    else:
+        from checks import run
+
+        run(main, __doc__)
