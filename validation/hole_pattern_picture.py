@@ -81,7 +81,7 @@ def draw_curves(ax: Axes, drawn: list[Drawn]) -> None:
     ax.set_ylabel("force F / N")
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
-    ax.legend(loc="upper right")
+    ax.legend(loc="upper left")
 
 
 def main(quick: bool = False) -> list[Check]:

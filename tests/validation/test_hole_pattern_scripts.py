@@ -65,3 +65,16 @@ def test_random_sampling_finds_the_optimum_in_half_of_the_space():
     row = next(row for row in searches.rows_of(space, 20) if row["search"] == "random sampling")
     assert row["finds"] == 1.0 and row["designs"] == len(space.values)
     assert 0.2 < row["designs_to_optimum"] / len(space.values) < 0.8
+
+
+def test_an_optimum_is_proved_by_early_termination_as_by_all_values(tmp_path, monkeypatch):
+    optima = script("hole_pattern_optima")
+    known = optima.optimum("rotated", 3, 1)
+    monkeypatch.setattr(optima, "listed", lambda *space: None)
+    monkeypatch.setattr(optima, "JOURNALS", tmp_path)
+    for start in (None, np.array([[True, True], [True, False]])):
+        monkeypatch.setattr(optima, "begun_with", lambda *space, start=start: start)
+        proved = optima.optimum("rotated", 3, 1)
+        assert (proved["whole"] == known["whole"]).all() and proved["proof"] == "early termination"
+        assert proved["designs"] == known["designs"] == 6
+        (tmp_path / "optima_rotated_3.db").unlink()

@@ -8,6 +8,7 @@ import pytest
 
 from slmm.optimization import HolePattern
 from slmm.optimization.hole_patterns.continuous import connected
+from slmm.optimization.hole_patterns.margins import SHIFTS
 from slmm.optimization.hole_patterns.plate import CrackedPlate
 from slmm.optimization.hole_patterns.refinement import REACH, STRETCH, refine
 from slmm.running.line_journal import open_lines
@@ -54,6 +55,16 @@ def test_equal_designs_are_refined_alike_and_a_resumed_run_is_the_same_run(tmp_p
     assert 0 < len(asked) <= 5
     asked.clear()
     assert refine(STIFF, DESIGN, 9, journal=journal, resume=True).identical(calm) and not asked
+
+
+def test_the_worst_of_shifted_plates_counts():
+    """Of a design that is as it is, shifted up and shifted down."""
+    problem = HolePattern(1, "full", sides="left", figure="stiffness")
+    plain, shifted = (refine(problem, [[True]], 4, shifted=shifted) for shifted in (False, True))
+    plate = problem.plate
+    each = [problem.fracture(plate.scene(np.ones((1, 1)), (0.0, by)), 1e-9) for by in (0.0, *SHIFTS)]
+    worst = min(float(result.F[-1] / result.u[-1]) for result in each)
+    assert float(shifted.by_direction_before[0]) == worst <= float(plain.by_direction_before[0])
 
 
 def test_plates_that_fail_are_recorded_and_passed_over(tmp_path, monkeypatch):
