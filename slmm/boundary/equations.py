@@ -107,13 +107,13 @@ class Equations:
 
         By the unknowns (2 t, 2 n), and by what is known and the motions (2 t, 1 + m).
         """
-        by_g = traction_of(*stress_of_boundary(self.panels, z), -1.0, e)
-        rows = by_g.real()
-        by_t = self.tractions.along(z, e)
+        P, Q = stress_of_boundary(self.panels, z)
+        rows = traction_of(P, Q, -1.0, e).real()
+        P, Q = (np.take(of, self.points, axis=1) for of in (P, Q))
+        by_t = self.tractions.along_by(P, Q, z, e)
         columns, held = self._held
         rows[:, columns] = by_t.real()[:, held]
-        on_acted = type(by_g)(by_g.one[:, self.points], by_g.other[:, self.points])
-        given = on_acted(self._given_g)
+        given = traction_of(P, Q, -1.0, e)(self._given_g)
         given[:, 0] += by_t(self._known_t)
         return rows, _by_columns(given)
 

@@ -61,7 +61,7 @@ class Panelling:
         found = []
         stretches = [stretch for ring in self.contours for stretch in ring]
         contour = [c for c, ring in enumerate(self.contours) for _ in ring]
-        z = np.array([stretch.at(np.linspace(0.0, 1.0, SAMPLES))[0] for stretch in stretches])
+        z = np.array([stretch.points(np.linspace(0.0, 1.0, SAMPLES)) for stretch in stretches])
         middle = z.mean(axis=1)
         samples = _Samples(z, np.array(contour), middle, np.abs(z - middle[:, None]).max(axis=1))
         for number, (c, stretch) in enumerate(zip(contour, stretches, strict=True)):
@@ -90,9 +90,11 @@ class Panelling:
         """The same of a smooth closed curve: each panel is as good a share of what it may be."""
         share = np.linspace(0.0, 1.0, EVEN + 1)
         longest = self._longest(stretch, share, contour, samples) / stretch.length
-        # beside a short panel none is longer than that and its distance
-        away = np.abs(share[:, None] - share)
-        longest = (longest + np.minimum(away, 1.0 - away)).min(axis=1)
+        # beside a short panel none is longer than that and its distance, all round the curve
+        way, length = np.concatenate([share - 1.0, share, share + 1.0]), np.tile(longest, 3)
+        behind = np.minimum.accumulate(length - way) + way
+        ahead = np.minimum.accumulate((length + way)[::-1])[::-1] - way
+        longest = np.minimum(behind, ahead)[len(share) : 2 * len(share)]
         density = 1.0 / longest
         number = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) / EVEN)])
         n = max(LEAST, int(np.ceil(number[-1] * (1 - SAME))))
@@ -100,11 +102,11 @@ class Panelling:
 
     def _longest(self, stretch: Stretch, share: Array, contour: int, samples: _Samples) -> Array:
         """How long panels may be at shares (n,) of a stretch, mm."""
-        z, _, bend = stretch.at(share)
         enough = PER_SIDE * self.side / self.grading.distance
-        longest = self.grading.distance * _distance(z, contour, samples, enough)
+        longest = self.grading.distance * _distance(stretch.points(share), contour, samples, enough)
         if stretch.outline is None:
             return np.asarray(longest)
+        bend = stretch.outline.curvatures(stretch.s[0] - share * stretch.length)
         return np.asarray(np.minimum(longest, self.grading.radius / np.maximum(np.abs(bend), 1e-12)))
 
     def with_mouths(self, points: Iterable[complex]) -> Panelling:
@@ -142,7 +144,7 @@ class Panelling:
             return panels
         kept = np.flatnonzero(~asked)
         _check_number((len(kept) + len(more)) * panels.p)
-        return panels.chosen(kept).joined(panels_on(more, panels.p))
+        return panels.with_new(kept, panels_on(more, panels.p))
 
     def _parts(self, interval: Interval, tips: Complex) -> list[Interval]:
         """What an interval is divided into."""
@@ -152,7 +154,7 @@ class Panelling:
             longest = _longest_at(mouths, stretch, a, b)
             if len(tips):
                 share: Array = a[:, None] + (b - a)[:, None] * ALONG
-                z = stretch.at(share.ravel())[0].reshape(share.shape)
+                z = stretch.points(share.ravel()).reshape(share.shape)
                 nearest = np.abs(z[:, :, None] - tips).min(axis=(1, 2))
                 longest = np.minimum(longest, self.grading.tip * nearest)
             return longest
@@ -210,7 +212,7 @@ def _place(stretch: Stretch, point: complex, near: float) -> float | None:
         if way - stretch.length > around - way:
             way = 0.0
     share = float(np.clip(way / stretch.length, 0.0, 1.0))
-    (foot,), *_ = stretch.at(np.array([share]))
+    (foot,) = stretch.points(np.array([share]))
     return share if abs(foot - point) <= near else None
 
 

@@ -114,14 +114,15 @@ class Panels:
         arrays = [of(getattr(self, field.name)) for field in fields(self)[2:]]
         return Panels(self.p, tuple(self.intervals[k] for k in rows.tolist()), *arrays)
 
-    def joined(self, more: Panels) -> Panels:
-        """These and more, in the order in which they lie on their curves."""
+    def with_new(self, kept: NDArray[np.int64], more: Panels) -> Panels:
+        """Some of them and more, in the order in which they lie on their curves."""
         both = [
             np.concatenate([getattr(self, field.name), getattr(more, field.name)])
             for field in fields(self)[2:]
         ]
         intervals = self.intervals + more.intervals
-        order = np.array(sorted(range(len(intervals)), key=lambda k: intervals[k].key), dtype=int)
+        rows = [*kept.tolist(), *range(len(self.intervals), len(intervals))]
+        order = np.array(sorted(rows, key=lambda k: intervals[k][:3]), dtype=int)
         return Panels(self.p, intervals, *both).chosen(order)
 
 

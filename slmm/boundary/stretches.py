@@ -87,6 +87,13 @@ class Stretch(NamedTuple):
         """mm."""
         return abs(self.end - self.start) if self.outline is None else self.s[0] - self.s[1]
 
+    def points(self, share: Array) -> Complex:
+        """Points (n,) at shares (n,) of the length."""
+        if self.outline is None:
+            return np.asarray(self.start + share * (self.end - self.start))
+        x, y = self.outline.points(self.s[0] - share * self.length).T
+        return np.asarray(x + 1j * y)
+
     def at(self, share: Array) -> tuple[Complex, Complex, Array]:
         """Points (n,), tangents (n,) and curvatures (n,), positive to the left, at shares of the length.
 
@@ -94,14 +101,12 @@ class Stretch(NamedTuple):
         """
         if self.outline is None:
             along = (self.end - self.start) / abs(self.end - self.start)
-            n = len(share)
-            return self.start + share * (self.end - self.start), np.full(n, along), np.zeros(n)
+            return self.points(share), np.full(len(share), along), np.zeros(len(share))
         s = self.s[0] - share * self.length
-        x, y = self.outline.points(s).T
         # a corner's own tangent is that half way between its sides
         inset = 2 * AT_CORNER * self.outline.length
         tx, ty = self.outline.tangents(np.clip(s, self.s[1] + inset, self.s[0] - inset)).T
-        return x + 1j * y, -(tx + 1j * ty), self.outline.curvatures(s)
+        return self.points(share), -(tx + 1j * ty), self.outline.curvatures(s)
 
 
 def boundary_of(part: Part, loading: Loading) -> list[list[Stretch]]:
@@ -137,7 +142,7 @@ def _acting(z: complex, loading: Loading) -> list[Condition]:
 
 def _graded(stretches: list[Stretch], loading: Loading) -> list[Stretch]:
     """The stretches of a closed curve, with how far panels shrink towards their ends."""
-    middles = [stretch.at(np.array([0.5]))[0][0] for stretch in stretches]
+    middles = [stretch.points(np.array([0.5]))[0] for stretch in stretches]
     acting = [_acting(z, loading) for z in middles]
     held = [held_at(loading, (z.real, z.imag)) for z in middles]
     ends = np.array([0.0, 1.0])

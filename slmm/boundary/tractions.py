@@ -81,8 +81,12 @@ class Tractions:
 
     def along(self, z: Complex, e: Complex) -> Linear:
         """Change of the resultant force along directions e (t,) at points z (t,), by tractions (h,)."""
-        by_q = traction_of(*stress_of_boundary(self.panels, z), self.kappa, e)
-        return self._by_values(by_q, traction_of(*stress_of_jumps(self.behind, z), self.kappa, e))
+        return self.along_by(*stress_of_boundary(self.panels, z), z, e)
+
+    def along_by(self, P: Complex, Q: Complex, z: Complex, e: Complex) -> Linear:
+        """The same by what `slmm.boundary.densities.stress_of_boundary` gives of the panels at these points."""
+        behind = traction_of(*stress_of_jumps(self.behind, z), self.kappa, e)
+        return self._by_values(traction_of(P, Q, self.kappa, e), behind)
 
     def _by_values(self, by_q: Linear, behind: Linear, by_highest: Linear | None = None) -> Linear:
         """In place of weights of q and of whole resultants those of the tractions."""
@@ -91,10 +95,9 @@ class Tractions:
         unit = 1j / (self.kappa + 1)
         found = []
         for k, factor in enumerate((unit, np.conj(unit))):
-            at = (
-                by_q[k].reshape(len(by_q[k]), len(self._half), p) @ local[:p]
-                + behind[k][:, :, None] * local[p]
-            )
+            # one product of all panels
+            at = (by_q[k].reshape(-1, p) @ local[:p]).reshape(len(by_q[k]), len(self._half), p)
+            at += behind[k][:, :, None] * local[p]
             if by_highest is not None:
                 at += by_highest[k][:, :, None] * highest(p)
             found.append((factor * self._half * at).reshape(len(at), self.panels.n))

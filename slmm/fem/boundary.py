@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -82,7 +83,7 @@ def boundary_pieces(
     rings = []
     for ring in (body.exterior, *body.interiors):
         points = np.array(ring.coords)[:-1]
-        label = label_of((points + np.roll(points, -1, axis=0)) / 2)
+        label = label_of.of_ring(points)
         # straight stretches end at every corner of the outer edge, curves where the label changes
         starts = np.flatnonzero((label != np.roll(label, 1)) | (label < 0))
         if not len(starts):
@@ -116,18 +117,32 @@ class _Labels:
     def __init__(self, polygons: Sequence[np.ndarray], tolerance: float):
         self.polygons = polygons
         self.tolerance = tolerance
-        middle = [(polygon + np.roll(polygon, -1, axis=0)) / 2 for polygon in polygons]
-        self.owner = np.repeat(np.arange(len(polygons)), [len(m) for m in middle])
-        self.tree = cKDTree(np.concatenate(middle)) if middle else None
+
+    @cached_property
+    def _chords(self) -> tuple[np.ndarray, cKDTree]:
+        """To which outline chords belong, and their middles."""
+        middle = [(polygon + np.roll(polygon, -1, axis=0)) / 2 for polygon in self.polygons]
+        return np.repeat(np.arange(len(middle)), [len(m) for m in middle]), cKDTree(np.concatenate(middle))
+
+    def of_ring(self, points: np.ndarray) -> np.ndarray:
+        """The outline of each chord (n,) of a ring that begins at points (n, 2)."""
+        for k, polygon in enumerate(self.polygons):
+            at = np.flatnonzero((polygon == points[0]).all(axis=1))
+            if len(polygon) == len(points) and len(at):
+                ahead, back = np.roll(polygon, -at[0], axis=0), np.roll(polygon[::-1], at[0] + 1, axis=0)
+                if np.array_equal(points, ahead) or np.array_equal(points, back):
+                    return np.full(len(points), k)
+        return self((points + np.roll(points, -1, axis=0)) / 2)
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         label = np.full(len(points), -1)
-        if self.tree is None:
+        if not self.polygons:
             return label
         # the middle of a whole chord is known; only chords that the outer edge cuts have to be searched
-        distance, nearest = self.tree.query(points)
+        owner, tree = self._chords
+        distance, nearest = tree.query(points)
         whole = distance < self.tolerance
-        label[whole] = self.owner[nearest[whole]]
+        label[whole] = owner[nearest[whole]]
         rest = np.flatnonzero(~whole)
         for k, polygon in enumerate(self.polygons):
             near = (
@@ -154,8 +169,12 @@ def _crossing(point: np.ndarray, one: Outline | _Line, other: Outline | _Line) -
 
 def _on_outline(outline: Outline, mouths: np.ndarray) -> np.ndarray:
     """Arc lengths that have to be nodes: corners, and the mouths that lie on the outline, mm."""
-    s = outline.project(mouths) if len(mouths) else np.empty(0)
-    on = np.linalg.norm(outline.points(s) - mouths, axis=1) < 1e-6 * outline.length
+    near, (low, high) = 1e-6 * outline.length, outline.box
+    mouths = mouths[((mouths > low - near) & (mouths < high + near)).all(axis=1)]
+    if not len(mouths):
+        return outline.corners
+    s = outline.project(mouths)
+    on = np.linalg.norm(outline.points(s) - mouths, axis=1) < near
     return np.concatenate([outline.corners, s[on]])
 
 

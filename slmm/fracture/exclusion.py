@@ -57,7 +57,9 @@ class Exclusion(NamedTuple):
         """
         supports = [condition.ends for condition in loading if any(condition.is_held)]
         corners = [
-            outline.points(outline.corners[outline.corner_angles < np.pi]) for outline in part.outlines
+            outline.points(outline.corners[outline.corner_angles < np.pi])
+            for outline in part.outlines
+            if len(outline.corners)
         ]
         none = np.empty((0, 2))
         groups = {
@@ -83,7 +85,8 @@ class Exclusion(NamedTuple):
         return f"beside {self.names[k]} at ({x:.4g}, {y:.4g})"
 
     def _distances(self, points: Array) -> Array:
-        return np.asarray(np.linalg.norm(points[:, None] - self.points, axis=-1))
+        (x, y), (at_x, at_y) = points.T, self.points.T
+        return np.asarray(np.hypot(x[:, None] - at_x, y[:, None] - at_y))
 
 
 def mouths(part: Part) -> Array:

@@ -68,7 +68,7 @@ class Surroundings:
     def room(self, cracks: Part, tip: Array, own: int) -> float:
         """Distance of a tip (2,) from surfaces and other cracks than its own, mm."""
         at = shapely.Point(tip)
-        others = [shapely.LineString(crack.points) for k, crack in enumerate(cracks.cracks) if k != own]
+        others = [crack.shape for k, crack in enumerate(cracks.cracks) if k != own]
         return min(float(shapely.distance(line, at)) for line in (self._surface, *others))
 
     def way(self, start: Array, direction: Array, cracks: Sequence[Array]) -> float:
@@ -95,14 +95,14 @@ class Surroundings:
         own : int
             The crack that grows, which does not run into itself; -1 for a new one.
         """
-        others = [crack.points for k, crack in enumerate(cracks.cracks) if k != own]
-        way = self.way(start, direction, others)
+        others = [crack for k, crack in enumerate(cracks.cracks) if k != own]
+        way = self.way(start, direction, [crack.points for crack in others])
         if way <= length + ahead:
             return Increment(start + way * direction, True)
         end = start + length * direction
         at = shapely.Point(end)
         thin = THIN / LOOK_AHEAD * ahead
-        for line in (self._surface, *map(shapely.LineString, others)):
+        for line in (self._surface, *(crack.shape for crack in others)):
             if shapely.dwithin(line, at, thin):
                 return Increment(shapely.get_coordinates(line.interpolate(line.project(at)))[0], True)
         return Increment(end, False)

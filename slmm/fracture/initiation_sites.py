@@ -45,12 +45,14 @@ def critical_sites(model: BoundaryModel, least: float) -> list[Site]:
         return _stress_below(model, where, depth)
 
     hoop = model.hoop
+    found = at_corners(part, loading, stress_below, depth)
+    if not found and ABOVE_SURFACE * hoop.max() <= least:
+        return []
     exclusion = Exclusion.of(part, loading, depth)
     free = ~model.body.known.held.any(axis=1) & exclusion.is_clear(np.column_stack([z.real, z.imag]))
     # where supports end a stress has no largest value
     least = max(least, NO_TENSION * float(np.abs(hoop[free]).max(initial=0.0)))
     hoop = np.where(free, ABOVE_SURFACE * hoop, -np.inf)
-    found = at_corners(part, loading, stress_below, depth)
     least = max(least, max((site.stress for site in found), default=0.0) / BETWEEN)
     if hoop.max(initial=-np.inf) > least:
         found += at_peaks(_sampled(model, depth, hoop, least), stress_below, least, exclusion)

@@ -256,7 +256,7 @@ def at_corners(part: Part, loading: Loading, stress_below: StressBelow, depth: f
     """Corners that point into the material, along their bisectors, where nothing holds them and no crack begins."""
     found = []
     for k, outline in enumerate(part.outlines):
-        s = outline.corners[outline.corner_angles < np.pi]
+        s = outline.corners[outline.corner_angles < np.pi] if len(outline.corners) else outline.corners
         if not len(s):
             continue
         points = outline.points(s)

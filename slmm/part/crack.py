@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -51,6 +52,11 @@ class Crack:
     points: Array
     start: End = TIP
     end: End = TIP
+
+    @cached_property
+    def shape(self) -> shapely.LineString:
+        """Its line."""
+        return shapely.LineString(self.points)
 
     @property
     def tips(self) -> list[Array]:
@@ -139,7 +145,7 @@ def located(
             end, points[k] = surface_at(points[k], outer, holes, tolerance)
             ends.append(end)
         cracks.append(Crack(points, *ends))
-    tree = shapely.STRtree([shapely.LineString(crack.points) for crack in cracks])
+    tree = shapely.STRtree([crack.shape for crack in cracks])
     return tuple(_on_others(number, cracks, tree, tolerance) for number in range(len(cracks)))
 
 
@@ -166,6 +172,8 @@ def surface_at(
 def _on_others(number: int, cracks: Sequence[Crack], tree: shapely.STRtree, tolerance: float) -> Crack:
     """A crack with its free ends on the others that they touch; their lines are in the tree."""
     crack = cracks[number]
+    if TIP not in (crack.start, crack.end):
+        return crack
     points, ends = crack.points.copy(), {"start": crack.start, "end": crack.end}
     for name, k in (("start", 0), ("end", -1)):
         if ends[name] != TIP:
@@ -201,7 +209,7 @@ def joined(cracks: Sequence[Crack], tolerance: float) -> list[Array]:
     lines = [crack.points.copy() for crack in cracks]
     if len(lines) < 2:
         return lines
-    shapes = [shapely.LineString(line) for line in lines]
+    shapes = [crack.shape for crack in cracks]
     near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=tolerance).T
     pairs = [(i, k) for i, k in near.tolist() if i < k]
     if not pairs:

@@ -97,7 +97,7 @@ class LevelSet:
     def _derivative(self, places: Array, along_x: int, along_y: int) -> Array:
         """A derivative (n,) at places (n, 2), in spacings."""
         x, y = places.T
-        return np.einsum("nj,ji,ni->n", self._kernel(y, along_y), self.weights, self._kernel(x, along_x))
+        return np.einsum("ni,ni->n", self._kernel(y, along_y) @ self.weights, self._kernel(x, along_x))
 
     def __call__(self, points: Array) -> Array:
         """The function (n,) at points (n, 2), mm."""

@@ -227,7 +227,7 @@ class Part:
         end, _ = surface_at(point, shapely.LinearRing(self.outer), self.outlines, self.tolerance)
         if end != TIP:
             return end
-        tree = shapely.STRtree([shapely.LineString(crack.points) for crack in self.cracks])
+        tree = shapely.STRtree([crack.shape for crack in self.cracks])
         on = touched(point, tree, self.tolerance) if self.cracks else []
         return End("crack", on[0]) if on else TIP
 

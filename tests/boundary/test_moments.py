@@ -48,3 +48,10 @@ def test_rules_on_panels_are_exact_for_their_polynomials():
 def test_a_panel_at_a_tip_knows_the_slope_in_the_root_of_the_distance():
     t, _, _ = tip_rule(6)
     assert slope_at_tip(6) @ (2.5 * t - t**5) == pytest.approx(2.5)
+
+
+def test_rounding_does_not_decide_by_which_rule_a_neighbour_of_the_same_length_is_seen():
+    # its middle lies at 2, in half panels
+    for zeta in (2.0, np.nextafter(2.0, 3.0), -2.0, np.nextafter(-2.0, -3.0), 2.0 + 1e-12j):
+        assert not is_far(complex(zeta))
+    assert is_far(2.01 + 0j)
