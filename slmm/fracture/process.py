@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from slmm.fracture.bends import ahead, bend_at
 from slmm.fracture.engine import Engine, Rules
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.first_cracks import point_method
@@ -172,17 +174,24 @@ class Process:
         return Candidate(event.load * u, event.kind, crack, event.hole, x, y)
 
     def _grown(self, event: Event, u_c: float) -> GrownPart:
-        length = self._length(event, u_c) if event.kind is Kind.GROWTH else event.length or self.lengths.first
+        if event.kind is Kind.START:
+            length = event.length or self.lengths.first
+        elif not self.lengths.by_path:
+            length = self.lengths.growth
+        else:
+            bend = bend_at(self.history.steps, event)
+            length = self._length(event, bend.turned, u_c)
+            event = replace(event, direction=ahead(event.direction, bend, length))
         return grown_part(self.part, event, self.surroundings, length, self.lengths.ahead)
 
-    def _length(self, event: Event, u_c: float) -> float:
-        """Length of a tip's increment, mm."""
+    def _length(self, event: Event, turned: float, u_c: float) -> float:
+        """Length of a tip's increment as its path asks, mm."""
         crack = crack_of(self.part, event.tip)
         at_start = bool((self.part.cracks[crack].points[0] == event.point).all())
         has_grown = self.reached[crack][0 if at_start else -1] >= 0
-        room = self.surroundings.room(self.part, event.point, crack) if self.lengths.by_path else math.inf
+        room = self.surroundings.room(self.part, event.point, crack)
         line, rising = self.part.tips[event.tip], u_c >= self.history.u
-        return self.lengths.along(line, has_grown, event.direction, room, rising)
+        return self.lengths.along(line, has_grown, event.direction, turned, room, rising)
 
     def _ended(self) -> Outcome | None:
         """What a part is whose crack has just run into something."""
