@@ -8,16 +8,22 @@
   is met, and on which side a crack starts anew, is known.
 
 Off a path is the distance of each measured point from the simulated one. Required: 0.5 mm, what the points can be
-trusted to, up to where a difference of 0.1 mm in the notch grows beyond that. The half disks are told: their cracks
-kink by 5 to 8 degrees more than K_I and K_II ask for, as T does, and run beside the simulated paths from there on.
-Writes validation/results/fracture_paths.csv and .png; a minute, ``--quick`` takes the compression alone and writes
-nothing.
+trusted to, up to where a difference of 0.1 mm in the notch grows beyond that. K_II under compression is asked for where
+it was measured to be below 0.15 MPa sqrt(m), which is from the second point on; the first has 0.22, and what a kink by
+maximum tangential stress leaves is 0.21. The same is asked for on the measured path itself: there it is what makes the
+simulated path run beside it, which depends on the supports, as is told for platens without friction and shorter ones.
+
+The half disks are told, with the criterion that knows T, too: points that are trusted to 0.5 mm give a first kink
+within some 7 degrees, and the paths of all criteria soon are one.
+Writes validation/results/fracture_paths.csv and .png; two minutes, ``--quick`` takes the compression between platens as
+they are described alone and writes nothing.
 """
 
 from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +32,11 @@ import numpy as np
 import shapely
 from checks import RESULTS, Check, run, save, show
 
+from slmm.boundary.model import BoundaryModel
+from slmm.criteria.distances import point_distance
 from slmm.fracture import simulate
+from slmm.fracture.directions import Direction
+from slmm.mechanics.material import Material
 from slmm.scene.scene import Scene
 
 matplotlib.use("Agg")
@@ -34,6 +44,10 @@ import matplotlib.pyplot as plt
 
 EXPERIMENTS = Path(__file__).parents[2] / "shared" / "experiments"
 ROOT_MM = math.sqrt(1000.0)
+#: of supports that nobody measured, to see what it does to half disks; chosen
+FRICTION = 0.1
+#: of the notch, in the hole
+MOUTH = [95.0 - 14.9 * math.cos(math.pi / 6), 35.0 - 14.9 * 0.5]
 #: nothing but the crack that is there grows: strength, MPa
 STRONG = {"E": 3200.0, "nu": 0.38, "sigma_c": 500.0, "G_c": 0.5}
 
@@ -66,20 +80,30 @@ def off(points: np.ndarray, path: np.ndarray) -> np.ndarray:
     return np.asarray(shapely.distance(shapely.points(points), shapely.LineString(path)))
 
 
-def compressed() -> Scene:
+def platens(half: float, sticking: bool) -> list[dict[str, Any]]:
+    """Two platens so high on either side of the middle, mm, with the plate stuck to them or free to slide."""
+    middle = 0.5
+    found = []
+    # counter-clockwise: the right side upwards, the left one downwards
+    for x, u_x, up in ((0.0, 0.0, -1), (140.0, -1.0, 1)):
+        ends = [35.0 + up * y for y in (-half, -middle, middle, half)]
+        if sticking:
+            found.append({"from": [x, ends[0]], "to": [x, ends[3]], "displacement": [u_x, 0.0]})
+            continue
+        for k, u_y in enumerate(("free", 0.0, "free")):
+            found.append({"from": [x, ends[k]], "to": [x, ends[k + 1]], "displacement": [u_x, u_y]})
+    return found
+
+
+def compressed(half: float = 20.0, sticking: bool = True) -> Scene:
     """The plate with a hole and a notch between two platens."""
     return Scene.from_dict(
         {
             "plate": {"width": 140.0, "height": 70.0},
             "holes": [{"shape": "circle", "center": [95.0, 35.0], "radius": 15.0}],
-            "cracks": [
-                {"points": [[95.0 - 14.9 * math.cos(math.pi / 6), 35.0 - 14.9 * 0.5], [64.608, 18.911]]}
-            ],
+            "cracks": [{"points": [MOUTH, [64.608, 18.911]]}],
             "material": STRONG,
-            "boundary": [
-                {"from": [0.0, 55.0], "to": [0.0, 15.0], "displacement": [0.0, 0.0]},
-                {"from": [140.0, 15.0], "to": [140.0, 55.0], "displacement": [-1.0, 0.0]},
-            ],
+            "boundary": platens(half, sticking),
         }
     )
 
@@ -99,9 +123,9 @@ def compact_tension(height: float) -> Scene:
     )
 
 
-def half_disk(degrees: float) -> Scene:
-    """Bent over two supports, the crack inclined."""
-    R, a, beta = 50.0, 15.0, math.radians(degrees)
+def half_disk(degrees: float, friction: float = 0.0) -> Scene:
+    """Bent over two supports, the crack inclined; where they slide outwards, friction holds them by a share of P/2."""
+    R, a, beta, P = 50.0, 15.0, math.radians(degrees), 1000.0
     corners = [[-R, 0.0], [R, 0.0], [R, R], [-R, R]]
     return Scene.from_dict(
         {
@@ -112,9 +136,9 @@ def half_disk(degrees: float) -> Scene:
             "cracks": [{"points": [[0.0, 0.0], [a * math.sin(beta), a * math.cos(beta)]]}],
             "material": STRONG,
             "boundary": [
-                {"at": [-21.5, 0.0], "width": 0.5, "displacement": [0.0, 0.0]},
-                {"at": [21.5, 0.0], "width": 0.5, "displacement": ["free", 0.0]},
-                {"at": [0.0, R], "width": 0.5, "force": [0.0, -1000.0]},
+                {"at": [-21.5, 0.0], "width": 0.5, "force": [friction * P / 2, P / 2]},
+                {"at": [21.5, 0.0], "width": 0.5, "force": [-friction * P / 2, P / 2]},
+                {"at": [0.0, R], "width": 0.5, "force": [0.0, -P]},
             ],
         }
     )
@@ -155,21 +179,59 @@ def mortar() -> Scene:
     )
 
 
-def compression() -> tuple[list[Check], np.ndarray]:
+def mode_II_of(scene: Scene, points: np.ndarray) -> np.ndarray:
+    """K_II (k,) of cracks that run from the notch along measured points (n, 2) to every eighth, where K_I is 1.99."""
+    whole, found = replace(scene.part, cracks=()), []
+    for last in range(2, len(points), 8):
+        # every fourth point tells the shape of what lies behind
+        line = np.concatenate([[MOUTH], points[:2], points[5 : max(last - 3, 5) : 4], points[[last]]])
+        model = BoundaryModel(whole.with_cracks([line]), scene.material, scene.loading)
+        K_I, K_II = model.stress_intensities()[0]
+        found.append(1.99 * K_II / K_I)
+    return np.array(found)
+
+
+def compression(quick: bool) -> tuple[list[Check], np.ndarray]:
     """The path, and the stress intensities along it."""
-    result = simulate(compressed(), errors=False)
+    scene = compressed()
+    result = simulate(scene, errors=False)
     path = path_of(result)
-    far = off(measured("pmma_hole_compression_path.csv")[2:], path)
-    # tips from the first increment on to the last one measured
+    points = measured("pmma_hole_compression_path.csv")[1:]
+    far = off(points[1:], path)
+    # tips up to the last one measured
     tips = path[(path[:, 0] < 64.5) & (path[:, 0] > 12.8)]
-    own = np.array([np.abs(tips - (x, y)).max(axis=1).min() == 0 for x, y in before(result, 0)])
+    at = before(result, 0)
+    own = np.array([np.abs(tips - (x, y)).max(axis=1).min() == 0 for x, y in at])
     K_II = np.abs(result.K_II.values[own] / result.K_I.values[own]) * 1.99
-    case = "compression, plate with a hole"
-    return [
+    behind_first = np.linalg.norm(at[own] - points[0], axis=1) > np.linalg.norm(points[1] - points[0])
+    case, there = "compression, plate with a hole", "MPa sqrt(m), where K_I is 1.99"
+    checks = [
         Check(case, "off the measured path, mm", 0.5, float(far.max()), rule="at most"),
-        Check(case, "K_II, MPa sqrt(m), where K_I is 1.99", 0.15, float(K_II.max()), rule="at most"),
+        Check(
+            case,
+            f"K_II behind the first point, {there}",
+            0.15,
+            float(K_II[behind_first].max()),
+            rule="at most",
+        ),
+        Check(case, f"K_II before it, {there}", 0.224, float(K_II[~behind_first].max()), rule="told"),
+        Check(
+            case,
+            f"K_II on the measured path, {there}",
+            0.15,
+            float(np.abs(mode_II_of(scene, points)).max()),
+            rule="at most",
+        ),
         Check(case, "increments", np.nan, int(own.sum()), rule="told"),
-    ], path
+    ]
+    if quick:
+        return checks, path
+    for half, sticking, name in ((20.0, False, "no friction"), (15.0, False, "no friction, 30 high")):
+        there = f"off the measured path, platens with {name}, mm"
+        scene = compressed(half, sticking)
+        far = off(points[1:], path_of(simulate(scene, errors=False)))
+        checks.append(Check(case, there, np.nan, float(far.max()), rule="told"))
+    return checks, path
 
 
 def three_holes() -> tuple[list[Check], list[np.ndarray]]:
@@ -198,13 +260,24 @@ def three_holes() -> tuple[list[Check], list[np.ndarray]]:
 
 
 def bent() -> list[Check]:
-    """Half disks; the first kink is that of K_I and K_II, the measured one also that of T."""
-    checks = []
+    """Half disks; the first kink by K_I and K_II, and by T as well, against the line through the first points."""
+    checks, r_c = [], point_distance(Material.from_name("PMMA"))
     for degrees in ("10", "30", "43", "50"):
-        path = path_of(simulate(half_disk(float(degrees)), errors=False))
-        far = off(measured("scb_paths.csv", beta_deg=degrees)[1:-1], path)
-        case = f"half disk, {degrees} degrees"
-        checks.append(Check(case, "off the path, median, mm", np.nan, float(np.median(far)), rule="told"))
+        scene, case = half_disk(float(degrees)), f"half disk, {degrees} degrees"
+        points = measured("scb_paths.csv", beta_deg=degrees)[1:-1]
+        model = BoundaryModel(scene.part, scene.material, scene.loading)
+        (K_I, K_II), T = model.stress_intensities()[0], model.t_stresses()[0]
+        first = float(degrees) - math.degrees(math.atan(np.polyfit(points[:4, 1], points[:4, 0], 1)[0]))
+        for way in (Direction("MTS"), Direction("GMTS", r_c)):
+            kink = math.degrees(way.angle(float(K_I), float(K_II), float(T)))
+            checks.append(Check(case, f"kink by {way.name}, degrees", first, kink, rule="told"))
+            distance = r_c if way.asks_for_T else None
+            result = simulate(scene, direction=way.name, critical_distance=distance, errors=False)
+            far = float(np.median(off(points, path_of(result))))
+            checks.append(Check(case, f"off the path, median, {way.name}, mm", np.nan, far, rule="told"))
+        far = off(points, path_of(simulate(half_disk(float(degrees), FRICTION), errors=False)))
+        there = f"off the path, median, MTS, friction of {FRICTION:g}, mm"
+        checks.append(Check(case, there, np.nan, float(np.median(far)), rule="told"))
     return checks
 
 
@@ -247,7 +320,7 @@ def draw(compression_path: np.ndarray, tension: list[np.ndarray]) -> None:
 
 
 def main(quick: bool = False) -> list[Check]:
-    checks, path = compression()
+    checks, path = compression(quick)
     if not quick:
         of_three, paths = three_holes()
         checks += [*of_three, *bent(), *met()]

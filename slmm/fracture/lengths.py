@@ -14,8 +14,9 @@ Array = NDArray[np.float64]
 
 #: first increments of "auto" over the shorter side of the part: 2 mm of 80 mm; published (Paper D, section 3.1)
 PER_SIDE = 0.025
-#: a bent path may be cut off by so much, over that length: 0.1 mm of 2 mm; chosen on validation/fracture_paths.py
-OFF_PATH = 0.05
+#: an increment may leave the tangent of a bent path by so much, over that length: 0.025 mm of 2 mm; chosen: past a hole
+#: a path then is within 0.1 mm of 80, as far as paths are measured
+OFF_PATH = 0.0125
 #: longest and shortest increment over it; chosen
 LONGEST, SHORTEST = 8.0, 0.1
 #: on straight stretches each increment is so many times as long as the one before, at most; chosen
@@ -41,11 +42,13 @@ class Lengths:
     ahead: float
     by_path: bool = False
 
-    def along(self, line: Array, grown: bool, direction: Array, room: float, rising: bool) -> float:
-        """Length of a tip's increment, mm.
+    def along(
+        self, line: Array, grown: bool, direction: Array, turned: float, room: float, rising: bool
+    ) -> float:
+        """Length of a tip's increment as its path asks, mm.
 
-        Along a path of curvature k an increment h leaves its tangent by k h^2/2, and k shows as the kink at the end of
-        the last one, over its length.
+        Along a path of curvature k an increment h leaves its tangent by k h^2/2. Over the length of the last increment,
+        k shows as the kink at its end, or as what the criterion's direction has turned since its start.
 
         Parameters
         ----------
@@ -55,6 +58,8 @@ class Lengths:
             Whether its last segment is an increment; the kink of an initial crack is not its curvature.
         direction : ndarray, shape (2,)
             By the criterion.
+        turned : float
+            Angle to it from the criterion's direction at the tip before, radians.
         room : float
             Distance of the tip from surfaces and other cracks, mm.
         rising : bool
@@ -66,18 +71,17 @@ class Lengths:
         >>> line = np.array([[0.0, 0.0], [2.0, 0.0]])
         >>> for kink in (0.0, 0.1, 0.2, 1.0):
         ...     direction = np.array([math.cos(kink), math.sin(kink)])
-        ...     print(round(lengths.along(line, True, direction, 40.0, False), 2))
+        ...     print(round(lengths.along(line, True, direction, 0.0, 40.0, False), 2))
         4.0
-        2.0
-        1.41
-        0.63
+        1.0
+        0.71
+        0.32
         """
-        if not self.by_path:
-            return self.growth
         before = line[-1] - line[-2]
         last = float(np.linalg.norm(before)) if grown else self.growth
         longest = self.growth if rising else min(LONGEST * self.growth, max(self.growth, OF_ROOM * room))
-        kink = abs(math.atan2(before[0] * direction[1] - before[1] * direction[0], float(before @ direction)))
+        kink = math.atan2(before[0] * direction[1] - before[1] * direction[0], float(before @ direction))
+        kink = max(abs(kink), abs(turned))
         bent = math.sqrt(2 * OFF_PATH * self.growth * last / kink) if kink else math.inf
         return max(min(bent, GROWTH * last, longest, room), SHORTEST * self.growth)
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from slmm.fracture.bends import ahead, bend_at
 from slmm.fracture.engine import Engine, Rules
 from slmm.fracture.events import Event, Kind, next_event
 from slmm.fracture.first_cracks import point_method
@@ -237,14 +239,21 @@ class Process:
         return Candidate(event.load * u, event.kind, line, self._hole(event.hole), x, y)
 
     def _grown(self, event: Event, u_c: float) -> GrownPart:
-        length = self._length(event, u_c) if event.kind is Kind.GROWTH else event.length or self.lengths.first
+        if event.kind is Kind.START:
+            length = event.length or self.lengths.first
+        elif not self.lengths.by_path:
+            length = self.lengths.growth
+        else:
+            bend = bend_at(self.history.steps, event)
+            length = self._length(event, bend.turned, u_c)
+            event = replace(event, direction=ahead(event.direction, bend, length))
         return grown_part(self.part, event, self.surroundings, length, self.lengths.ahead)
 
-    def _length(self, event: Event, u_c: float) -> float:
-        """Length of a tip's increment, mm."""
+    def _length(self, event: Event, turned: float, u_c: float) -> float:
+        """Length of a tip's increment as its path asks, mm."""
         crack = crack_of(self.part, event.tip)
         its = self._lines_of[crack]
         has_grown = self.reached[its][0 if self._is_first(its, event.point) else -1] >= 0
-        room = self.surroundings.room(self.part, event.point, crack) if self.lengths.by_path else math.inf
+        room = self.surroundings.room(self.part, event.point, crack)
         line, rising = self.part.tips[event.tip], u_c >= self.history.u
-        return self.lengths.along(line, has_grown, event.direction, room, rising)
+        return self.lengths.along(line, has_grown, event.direction, turned, room, rising)

@@ -14,14 +14,9 @@ AUTO = Lengths(2.0, 2.0, 0.75, by_path=True)
 FAR = 1e3
 
 
-def along(lengths, kink, last=2.0, room=FAR, grown=True, rising=False):
+def along(lengths, kink, last=2.0, room=FAR, grown=True, rising=False, turned=0.0):
     line = np.array([[-last, 0.0], [0.0, 0.0]])
-    return lengths.along(line, grown, np.array([math.cos(kink), math.sin(kink)]), room, rising)
-
-
-def test_fixed_increments_stay():
-    fixed = Lengths(2.0, 1.0, 0.75)
-    assert along(fixed, 0.5, room=0.1) == 2.0
+    return lengths.along(line, grown, np.array([math.cos(kink), math.sin(kink)]), turned, room, rising)
 
 
 @given(st.floats(0.01, 1.5), st.floats(0.2, 16.0))
@@ -29,6 +24,12 @@ def test_a_chord_cuts_no_more_off_a_bend_than_is_allowed(kink, last):
     """An arc of the curvature that the kink shows leaves its tangent by k h^2/2."""
     h = along(AUTO, kink, last)
     assert h * h * kink / last / 2 <= OFF_PATH * AUTO.growth * (1 + 1e-12) or h == SHORTEST * AUTO.growth
+
+
+@given(st.floats(0.0, 1.5), st.floats(-1.5, 1.5), st.floats(0.2, 16.0))
+def test_a_bend_shows_as_a_kink_or_as_what_the_direction_has_turned(kink, turned, last):
+    expected = along(AUTO, max(kink, abs(turned)), last)
+    assert along(AUTO, kink, last, turned=turned) == pytest.approx(expected, rel=1e-12)
 
 
 @given(st.floats(-1.5, 1.5), st.floats(0.2, 16.0), st.floats(0.01, 100.0))
