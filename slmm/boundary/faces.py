@@ -13,6 +13,10 @@ from slmm.mechanics.faces_in_contact import ROUND_OFF, closing_pressures
 
 Rows = NDArray[np.int64]
 
+#: panels in which faces begin to touch are no longer than these shares of all that touches, or of all cracks: K at the
+#: other end of a crack that bending closes is within 5e-4 then; chosen
+OF_CLOSED, OF_CRACKS = 0.1, 0.005
+
 
 def opening_of(jump: Complex, direction: Complex) -> Array:
     """Opening (m,) of jumps (m,) on lines along directions (m,), negative where faces overlap."""
@@ -31,6 +35,27 @@ def lengths_of(cracks: CrackPanels) -> Array:
     root, at_tip, _ = tip_rule(cracks.p)
     share = np.where(cracks.is_tip[:, None], root * at_tip / (root @ at_tip), 0.5 * straight)
     return np.asarray((np.abs(cracks.ends - cracks.starts)[:, None] * share).ravel())
+
+
+def half_closed(cracks: CrackPanels, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which panels (k,) have points (k p,) that touch beside others that do not, and are too long for that."""
+    here = touching.reshape(-1, cracks.p)
+    length = np.abs(cracks.ends - cracks.starts)
+    allowed = max(OF_CLOSED * lengths_of(cracks)[touching].sum(), OF_CRACKS * length.sum())
+    return np.asarray(here.any(axis=1) & ~here.all(axis=1) & (length > allowed))
+
+
+def halved(cracks: CrackPanels, which: NDArray[np.bool_]) -> CrackPanels:
+    """Panels of cracks, some of them in two halves."""
+    middles = 0.5 * (cracks.starts + cracks.ends)
+    first, second = 1 + which, np.cumsum(1 + which)[which] - 1
+    starts, ends, tip = (np.repeat(values, first) for values in (cracks.starts, cracks.ends, cracks.tip))
+    starts[second], ends[second - 1], tip[second - 1] = middles[which], middles[which], -1
+    along = (ends - starts)[:, None]
+    at_tip = ends[:, None] - along * tip_rule(cracks.p)[0] ** 2
+    straight = starts[:, None] + 0.5 * along * (1 + straight_rule(cracks.p)[0])
+    z = np.where((tip >= 0)[:, None], at_tip, straight)
+    return CrackPanels(cracks.p, starts, ends, tip >= 0, tip, z.ravel())
 
 
 def held_closed(

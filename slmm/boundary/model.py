@@ -19,7 +19,7 @@ from slmm.boundary.densities import (
     stress_of_jumps,
 )
 from slmm.boundary.elimination import eliminated
-from slmm.boundary.faces import held_closed, opening_of, overlap
+from slmm.boundary.faces import half_closed, halved, held_closed, opening_of, overlap
 from slmm.boundary.rules import Array, Complex, values_at
 from slmm.boundary.stretches import FINE, Grading
 from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
@@ -135,16 +135,22 @@ class BoundaryModel:
     def _solved(self) -> Array:
         """The boundary's unknowns, cracks and divided panels eliminated; sets the jumps of cracks."""
         body = self.body
-        where = eliminated(body, self.cracks)
-        border = body.border
-        y = border.solve()
-        if self.cracks is not None:
+        while True:
+            where = eliminated(body, self.cracks)
+            border = body.border
+            y = border.solve()
+            if self.cracks is None:
+                break
             self.touching = np.zeros(len(self.cracks.z), dtype=bool)
             along = np.repeat(self.cracks.direction, self.cracks.p)
             if self.contact and overlap(y[where.cracks], along):
                 y, self.touching = held_closed(border.factors.solve, y, where.cracks, along)
             jump = y[where.cracks]
             self.c = jump[::2] + 1j * jump[1::2]
+            long = half_closed(self.cracks, self.touching)
+            if not long.any():
+                break
+            self.cracks = halved(self.cracks, long)
         return body.unknowns(body.base.solution - y @ border.columns, y[where.panels])
 
     def _take(self, solution: Array) -> None:

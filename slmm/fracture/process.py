@@ -146,6 +146,9 @@ class Process:
                 history.reason = (
                     f"what would crack first, at u = {min(excluded).u_c:.4g} mm, is {min(excluded).reason}"
                 )
+            elif math.isfinite(self.largest):
+                history.last_u = self.largest
+                return Outcome.LARGEST
             return Outcome.NO_EVENT
         event, gap = next_event(events, self._last_place())
         if event.load * u > self.largest:

@@ -80,6 +80,20 @@ def test_under_bending_a_crack_closes_over_a_part_and_the_other_tip_feels_it():
     assert 0 < held.touching.sum() < len(held.touching)
 
 
+def test_K_of_the_other_tip_does_not_depend_on_where_points_lie_that_begin_to_touch():
+    """Faces open as the power 3/2 there, which no panel across it knows: panels are halved."""
+    ends = (([20, 120], [0, 120]), ([40, 120], [20, 120]), ([0, 0], [20, 0]), ([20, 0], [40, 0]))
+    couple = [
+        {"from": a, "to": b, "traction": [0.0, t]}
+        for (a, b), t in zip(ends, (1.0, -1.0, -1.0, 1.0), strict=True)
+    ]
+    plate = {"plate": {"width": 40.0, "height": 120.0}, "material": {"name": "PMMA"}, "boundary": couple}
+    scene = Scene.from_dict({**plate, "cracks": [{"points": [[5.0, 60.0], [30.0, 60.0]]}]})
+    few, many = (BoundaryModel(scene.part, PMMA, scene.loading, 8, p, contact=True) for p in (5, 12))
+    assert few.stress_intensities()[0, 0] == pytest.approx(many.stress_intensities()[0, 0], rel=1e-4)
+    assert few.work == pytest.approx(many.work, rel=1e-6)
+
+
 def test_every_point_of_a_crack_stands_for_a_length_of_it():
     cracks = inclined(30).cracks
     lengths = lengths_of(cracks)

@@ -145,3 +145,12 @@ def test_both_engines_grow_the_same_wings_from_a_closed_crack():
     assert abs(float(other.U_T - one.U_T)) < float(other.U_T_error + one.U_T_error)
     assert other.u_c.values == pytest.approx(one.u_c.values, rel=2e-3)
     assert other.stiffness.values == pytest.approx(one.stiffness.values, rel=1e-3)
+
+
+@pytest.mark.parametrize("engine", ["boundary", "fem"])
+def test_what_nothing_cracks_is_loaded_to_the_largest_displacement(engine):
+    pressed = tensile_plate(cracks=[{"points": [[30.0, 40.0], [50.0, 40.0]]}], load={"stress": -10.0})
+    result = simulate(pressed, largest_displacement=0.2, engine=engine)
+    assert result.attrs["outcome"] == Outcome.LARGEST and not result.sizes["step"]
+    E, area, height = pressed.material.plane_stress_equivalent[0], 80.0 * pressed.part.thickness, 80.0
+    assert float(result.U_T) == pytest.approx(0.5 * E * area / height * 0.2**2, rel=1e-4)
