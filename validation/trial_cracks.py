@@ -15,9 +15,11 @@ from collections.abc import Callable
 
 import numpy as np
 from checks import Check, run
+from scipy.interpolate import PchipInterpolator
 
 from slmm import failure_indices
 from slmm.initiation.boundary_field import solve_boundary
+from slmm.initiation.by_full_fea import SPAN
 from slmm.scene import gallery
 from slmm.scene.scene import Scene
 
@@ -47,10 +49,10 @@ def energy(name: str) -> list[Check]:
     scene = scene.with_(analysis={"points": [[float(result.x[k]), float(result.y[k])]]})
     trial = failure_indices(scene, "boundary", curves=True).isel(position=0)
     full = failure_indices(scene, "full-fea", curves=True).isel(position=0)
-    a = trial.crack_length_curve.values if "crack_length_curve" in trial else trial.a.values
-    at = full.crack_length_curve.values if "crack_length_curve" in full else full.a.values
-    inside = (at > 0) & (at <= a[-1])
-    G = np.interp(at[inside], a, trial.G_inc.values)
+    a, at = trial.a.values, full.a.values
+    # below its shortest crack full FEA goes on by a power law
+    inside = (at > at[-1] / SPAN) & (at <= a[-1] * (1 + 1e-9))
+    G = PchipInterpolator(a, trial.G_inc.values)(np.minimum(at[inside], a[-1]))
     off = np.abs(G / full.G_inc.values[inside] - 1)
     index = abs(float(result.failure_index[k]) / float(full.failure_index) - 1)
     return [
@@ -88,4 +90,4 @@ def main(quick: bool = False) -> list[Check]:
 
 
 if __name__ == "__main__":
-    run(main)
+    run(main, __doc__)

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 #: times that positions are added where the index is largest; chosen
 ROUNDS = 4
 
+#: where cracks go
+DIRECTIONS = ("normal", "best")
+
 SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
 
@@ -51,6 +54,7 @@ def failure_indices(
     progress: Progress = silent,
     field: str | None = None,
     criterion: str | None = None,
+    direction: str = "normal",
     model: Any = None,
     material: Material | str | None = None,
 ) -> xr.Dataset:
@@ -154,6 +158,7 @@ def failure_indices(
         progress,
         field,
         criterion,
+        direction,
     ).dataset()
 
 
@@ -170,6 +175,7 @@ def failure_arrays(
     progress: Progress = silent,
     field: str | None = None,
     criterion: str | None = None,
+    direction: str = "normal",
 ) -> LabelledArrays:
     """What `failure_indices` makes a dataset of, for who only prints it and need not wait for xarray to load."""
     for text in unusual_values(scene):
@@ -205,13 +211,22 @@ def failure_arrays(
         progress,
     )
     source = SOURCES[METHODS[method].source]
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction = {direction!r}: must be one of {', '.join(DIRECTIONS)}")
+    ask = source.answer
+    if direction == "best":
+        if not source.turns:
+            raise ValueError(f"direction = 'best': the method {method} turns no cracks; boundary does")
+        from slmm.initiation.turned import in_best_direction
+
+        ask = in_best_direction(ask)
     if severed := scene.part.is_severed:
         answer = Answer.empty(task.n, "none")
         answer.status[:] = Status.SEVERED
     else:
-        answer = source.answer(task)
+        answer = ask(task)
     if refined and not severed:
-        task, answer = with_peaks(task, answer, source.answer)
+        task, answer = with_peaks(task, answer, ask)
     if any(outline.accuracy is not None for outline in scene.outlines):
         from slmm.initiation.outline_error import add_outline_error  # imports asymptotics
 

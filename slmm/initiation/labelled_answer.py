@@ -24,6 +24,7 @@ UNITS = {
         "1",
         "upper bound of the failure index: value and error, or strength; inf where unknown",
     ),
+    "turned": ("degrees", "direction of the crack, counter-clockwise from the usual one"),
     "outline_error": ("1", "part of its relative error that the picture of the notch leaves open"),
     "model_error": ("1", "part of its relative error that the finite element results leave open"),
     "load_factor": ("1", "factor on the load at which a crack starts"),

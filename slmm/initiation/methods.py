@@ -26,11 +26,14 @@ class Source:
         Of "stress", "energy", "equivalent stress"; a criterion that needs more cannot be asked.
     on_displacements : bool
         Whether it can take the uncracked part from the user's own displacements.
+    turns : bool
+        Whether paths may go in any direction.
     """
 
     answer: Callable[[Task], Answer]
     gives: frozenset[str]
     on_displacements: bool = False
+    turns: bool = False
 
 
 def _from(module: str, function: str, **options: Any) -> Callable[[Task], Answer]:
@@ -51,7 +54,7 @@ SOURCES: dict[str, Source] = {
     "cells": Source(_from("by_cells", "by_cells", auto_control=True), CURVES, True),
     "asymptotics": Source(_from("by_asymptotics", "by_asymptotics"), CURVES),
     "crack tips": Source(_from("by_asymptotics", "by_griffith"), frozenset({"energy"})),
-    "trial cracks": Source(_from("by_boundary", "by_boundary"), CURVES),
+    "trial cracks": Source(_from("by_boundary", "by_boundary"), CURVES, turns=True),
     "dislocations": Source(_from("by_dislocations", "by_dislocations"), CURVES),
     "full FEA": Source(_from("by_full_fea", "by_full_fea"), CURVES),
     "auto": Source(_from("by_choice", "by_choice"), CURVES, True),
