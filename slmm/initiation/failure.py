@@ -97,6 +97,9 @@ def failure_indices(
     criterion : str, optional
         One of `CRITERIA` ("rankine", "point", "line", "griffith") in place of the coupled one, on what a method finds
         that is no criterion itself: ("dislocations", criterion="point"). By default what the scene asks for.
+    direction : {"normal", "best"}
+        Cracks run normal to the surface, along the bisector of a corner and straight on from a tip, or turned into the
+        direction that needs the least load (method "boundary").
     model : path, DisplacementField or (points, cells, u), optional
         A solved finite element model of a part without cracks, in place of a scene: outlines and load follow from it,
         see `slmm.initiation.solved_scene`. The method is then "boundary", unless another one is given.

@@ -22,7 +22,8 @@ from slmm.results.field import DisplacementField
 from slmm.results.outlines import Ring, mesh_outlines
 from slmm.results.surface_forces import SurfaceForces, surface_forces
 from slmm.scene.errors import SceneError
-from slmm.scene.loading import Condition, Loading, Sampled
+from slmm.scene.loading import Condition, Loading
+from slmm.scene.sampled import Sampled
 from slmm.scene.scene import Scene
 
 Array = NDArray[np.float64]
