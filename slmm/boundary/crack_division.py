@@ -65,9 +65,9 @@ def divided(segments: Segments, surfaces: Complex) -> tuple[Complex, Complex, ND
     --------
     >>> a, b = np.array([[0j], [8.0]])
     >>> segment = Segments(a, b, np.zeros(1, int), np.zeros(1), np.array([[-1, 0]]), np.ones((1, 2)))
-    >>> starts, ends, tip = divided(segment, np.array([0j, 10.0]))
+    >>> starts, ends, tip = divided(segment, np.array([10.0 + 0j]))
     >>> starts.real.tolist(), ends.real.tolist(), tip.tolist()
-    ([5.0, 0.0, 2.5], [8.0, 2.5, 5.0], [0, -1, -1])
+    ([5.0, 2.5, 0.0], [8.0, 5.0, 2.5], [0, -1, -1])
     """
     (starts, ends), tip = _panels(*segments, surfaces, SHARES, OF_PANEL)
     return starts, ends, tip
