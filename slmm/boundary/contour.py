@@ -50,8 +50,8 @@ class Contour:
     >>> body = Body(part, Material.from_name("PMMA"), plate_loading(40.0, 60.0, stress=1.0), 4)
     >>> edge = Contour(part, body.panels, 0)
     >>> where = edge.at(np.array([0.3 * edge.length]))
-    >>> edge.length, (where.inward.round(9) + 0.0).tolist()
-    (200.0, [[0.0, -1.0]])
+    >>> edge.length, where.inward.round(9).tolist()
+    (200.0, [[-1.0, 0.0]])
     """
 
     part: Part
