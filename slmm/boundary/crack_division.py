@@ -67,9 +67,9 @@ def divided(segments: Segments, surfaces: Complex) -> tuple[Complex, Complex, ND
     Examples
     --------
     >>> a, b = np.array([[0j], [8.0]])
-    >>> tip, mouth = np.array([[-1, 0]]), np.array([[True, False]])
+    >>> tip, mouth = np.array([[-1, 0]]), np.array([[False, False]])
     >>> segment = Segments(a, b, np.zeros(1, int), np.zeros(1), tip, mouth, np.ones((1, 2)))
-    >>> starts, ends, tip = divided(segment, np.array([0j, 10.0]))
+    >>> starts, ends, tip = divided(segment, np.array([10.0 + 0j]))
     >>> starts.real.tolist(), ends.real.tolist(), tip.tolist()
     ([5.0, 2.5, 0.0], [8.0, 5.0, 2.5], [0, -1, -1])
     """

@@ -143,7 +143,9 @@ class Part:
         whole = shapely.Polygon(self.outer)
         notches = [shapely.Polygon(chords(hole)) for hole in self.holes]
         if are_apart(notches, whole):
-            return shapely.Polygon(self.outer, [notch.exterior for notch in notches])
+            # from its lowest left corner, as an overlay has it: meshes depend on where rings begin
+            first = np.lexsort((self.outer[:, 1], self.outer[:, 0]))[0]
+            return shapely.Polygon(np.roll(self.outer, -first, axis=0), [n.exterior for n in notches])
         body = whole.difference(shapely.union_all(notches))
         if body.geom_type != "Polygon" or body.is_empty:
             (left, bottom), (right, top) = self.box
