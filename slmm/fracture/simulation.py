@@ -72,7 +72,9 @@ def simulate(
         Its load counts as a unit.
     increment : float or "auto"
         Length of an increment, mm; "auto" begins with 1/40 of the part's shorter side, becomes shorter where the path
-        bends, and longer where it is straight, far from surfaces, and the curve falls.
+        bends, and longer where it is straight, far from surfaces, and the curve falls. Its increments lead half of the
+        next turn of a smooth path ahead, see `slmm.fracture.bends`; those of a given length follow the criterion's
+        direction where they begin, as published.
     initiation : {"point", "coupled", "slmm+ac"}
         What starts cracks at surfaces: the point method, the coupled criterion by trial cracks, or the same by crack
         cells of the database where one fits, in plates under [load]. The last two know how long the crack is then.

@@ -47,7 +47,18 @@ def test_finite_elements_say_what_they_were(plate, tmp_path):
         assert written.attrs["engine"] == "fem" and written.attrs["fineness"] == 1.0
 
 
+def test_cracks_turn_by_T_at_a_distance(plate, tmp_path):
+    output = tmp_path / "result.nc"
+    way = ("--direction", "GMTS", "--critical-distance", 0.1)
+    result = run("fracture", plate, "--increment", 16, *way, "-o", output)
+    assert result.exit_code == 0, result.stderr
+    with xr.open_dataset(output) as written:
+        assert (written.attrs["direction"], written.attrs["critical_distance"]) == ("GMTS", 0.1)
+
+
 def test_what_is_refused(plate, tmp_path):
+    distance = run("fracture", plate, "--critical-distance", 0.1)
+    assert refused(distance, "critical_distance = 0.1", "belongs to direction = 'GMTS'")
     assert refused(
         run("fracture", plate, "--increment", "long"), "--increment long", "a length in mm, or auto"
     )
