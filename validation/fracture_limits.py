@@ -115,6 +115,8 @@ def simulated(scene: Scene, engine: str, settings: dict[str, Any]) -> dict[str, 
     outcome, words = result.attrs["outcome"], []
     if outcome not in WHOLE:
         words.append(outcome)
+    if outcome == Outcome.SEVERED and not result.sizes["step"]:
+        words.append("in pieces before anything happens")
     if competing := result.attrs["competing_events"]:
         words.append(f"{competing} competing")
     if "excluded_starts" in result.attrs:
