@@ -66,7 +66,7 @@ def scenes() -> Iterator[Asked]:
     yield "contact", "crack pressed across", across, {"largest_displacement": 0.5}
     line = [[30.0, 32.0], [38.0, 40.0], [46.0, 39.0], [52.0, 46.0]]
     kinked = tensile_plate(cracks=[{"points": line}], **pressed)
-    yield "contact", "kinked crack, wings", kinked, {"increment": 0.6, "largest_displacement": 0.45}
+    yield "contact", "kinked crack, wings", kinked, {"increment": 0.6, "largest_displacement": 0.72}
     yield "contact", "crack in bending", bent_bar(), {"increment": 2.0}
     yield "crossing", "at right angles", plate([[25.0, 40.0], [45.0, 40.0]], [[35.0, 30.0], [35.0, 50.0]]), {}
     yield "crossing", "aslant", plate([[25.0, 35.0], [45.0, 45.0]], [[30.0, 48.0], [40.0, 32.0]]), {}
@@ -115,6 +115,8 @@ def simulated(scene: Scene, engine: str, settings: dict[str, Any]) -> dict[str, 
     outcome, words = result.attrs["outcome"], []
     if outcome not in WHOLE:
         words.append(outcome)
+    if outcome == Outcome.SEVERED and not result.sizes["step"]:
+        words.append("in pieces before anything happens")
     if competing := result.attrs["competing_events"]:
         words.append(f"{competing} competing")
     if "excluded_starts" in result.attrs:
