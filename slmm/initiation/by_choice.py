@@ -28,10 +28,7 @@ import numpy as np
 from slmm.criteria.coupled import NONE
 from slmm.criteria.coupled_curves import index_bounds
 from slmm.criteria.status import Status
-from slmm.fem.triangulation import MesherError
-from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on, voxel_count
 from slmm.initiation.cell_errors import reference_stress
-from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
 from slmm.initiation.task import Answer, Task
 
 #: with more points on its boundary than this a part by boundary integrals is dear; chosen
@@ -74,10 +71,11 @@ def by_choice(task: Task) -> Answer:
         _many_outlines(choice, has_fea)
     if not has_fea:
         return choice.explained(NO_FEA)
-    from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
-
     choice.settle_negligible()
-    choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
+    if len(choice.open):
+        from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
+
+        choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
     return choice.explained(NOTHING_CLOSER)
 
 
@@ -93,6 +91,8 @@ def points_afforded(task: Task) -> bool:
 
 def _many_outlines(choice: _Choice, has_fea: bool) -> None:
     """Ask what costs less where boundary integrals are dear."""
+    from slmm.initiation.by_cells import voxel_count
+
     task = choice.task
     voxels = voxel_count(task) if task.scene.outlines else 0
     if voxels <= VOXELS_AFFORDED or not has_fea:
@@ -234,6 +234,10 @@ class _Choice:
 
 def _cells_or_strength(task: Task) -> Answer:
     """Crack cells, and where they are not needed the strength alone."""
+    from slmm.fem.triangulation import MesherError
+    from slmm.initiation.by_cells import cells_on, local_field, rows_with_cells, strength_on
+    from slmm.initiation.meta_model import PoissonNotHeldError, load_meta_model
+
     answer = Answer.empty(task.n, "slmm+ac")
     rows = rows_with_cells(task, answer)
     if not len(rows):

@@ -9,6 +9,7 @@ import pytest
 from slmm import failure_indices
 from slmm.criteria.criterion import CRITERIA
 from slmm.criteria.path_curves import Critical, PathCurves, path_points
+from slmm.initiation import by_choice
 from slmm.initiation.methods import METHODS, SOURCES, Method, Source
 from slmm.initiation.task import Answer
 from slmm.scene import gallery
@@ -134,9 +135,12 @@ def test_one_more_source_is_one_function_and_a_line(monkeypatch):
     assert index(HOLE, "kirsch")[0] < index(HOLE, "kirsch", criterion="rankine")[0]
 
 
-def test_under_auto_the_result_tells_what_each_method_was_made_with():
+def test_under_auto_the_result_tells_what_each_method_was_made_with(monkeypatch):
     pytest.importorskip("netgen")
     scene = gallery.square_hole(analysis={"points": [[65, 65], [65, 50]]})
+    attrs = failure_indices(scene, "auto").attrs
+    assert attrs["local_model"] == "boundary" and attrs["boundary_points"] > 0 and attrs["tolerance"] == 0.02
+    monkeypatch.setattr(by_choice, "POINTS_AFFORDED", 0)
     attrs = failure_indices(scene, "auto").attrs
     assert attrs["local_model"].startswith("slmm+ac: voxels; asymptotics: body-fitted")
     assert attrs["voxels"] > 0 and attrs["tolerance"] == 0.02

@@ -42,7 +42,7 @@ def test_auto_covers_its_error_however_small_the_hole(per_side):
     assert difference <= float(auto.failure_index_error + dislocations.failure_index_error)
 
 
-@pytest.mark.parametrize("method", ["dislocations", "full-fea", "asymptotics", "rankine", "slmm+ac", "auto"])
+@pytest.mark.parametrize("method", ["dislocations", "full-fea", "asymptotics", "rankine", "slmm+ac"])
 def test_a_mesh_that_fails_is_a_status(no_mesh, method):
     result = failure_indices(
         gallery.square_hole(analysis={"positions": 8, "local_model": "body-fitted"}), method
@@ -51,6 +51,11 @@ def test_a_mesh_that_fails_is_a_status(no_mesh, method):
     said = [str(status) for status in result.status.values]
     assert any("no mesh: the mesher failed" in status for status in said)
     assert "ok" not in said
+
+
+def test_auto_needs_no_mesh(no_mesh):
+    result = failure_indices(gallery.square_hole(analysis={"positions": 2}), "auto")
+    assert (result.status == "ok").all()
 
 
 def test_crack_tips_without_a_mesh_have_a_status(no_mesh):
