@@ -39,7 +39,8 @@ from precompute.sweep import run_sweep
 from slmm import Scene, failure_indices
 from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import PlateMesh, plate_mesh
-from slmm.fem.plate_model import PlateModel, SlitModel, factorised, nested_dissection
+from slmm.fem.plate_model import PlateModel, SlitModel
+from slmm.fem.sparse_factor import factorised, nested_dissection
 from slmm.initiation.by_full_fea import LENGTHS, SPAN
 from slmm.initiation.full_fea import LEVELS, nodes_per_length, path_depths
 from slmm.initiation.local_model import solve_local_model

@@ -10,7 +10,8 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from slmm.fem.plate_model import PlateModel, factorised, last_block, nested_dissection
+from slmm.fem.plate_model import PlateModel
+from slmm.fem.sparse_factor import factorised, last_block, nested_dissection
 
 
 class BoundaryStiffness:

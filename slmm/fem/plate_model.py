@@ -8,7 +8,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 import shapely
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU
 from skfem.models.elasticity import lame_parameters
 
 from slmm.fem.closed_faces import NodePairs, held_closed
@@ -18,6 +18,7 @@ from slmm.fem.plane_stiffness import plane_stiffness
 from slmm.fem.recovery import recovered_stress
 from slmm.fem.rigid_bodies import Followers
 from slmm.fem.slit import open_slits
+from slmm.fem.sparse_factor import factorised, last_block, nested_dissection
 from slmm.mechanics import triangle
 from slmm.mechanics.crack_line import crack_factor
 from slmm.mechanics.elasticity import Elasticity
@@ -308,55 +309,6 @@ class SlitModel(PlateModel):
         return np.searchsorted(self._jump_place, 2 * vertices)
 
 
-def last_block(factor: SuperLU, m: int) -> np.ndarray:
-    """Stiffness (m, m) condensed to the last m unknowns of a factorisation.
-
-    Ten times faster than solving with one right-hand side for each of them.
-    """
-    # SuperLU reorders columns by their elimination tree, within the last block, too
-    last = factor.perm_c[-m:] - (factor.shape[0] - m)
-    L, U = (block[-m:, -m:].toarray() for block in (factor.L, factor.U))
-    S = (L @ U)[np.ix_(last, last)]
-    return (S + S.T) / 2
-
-
 def _components(nodes: np.ndarray) -> np.ndarray:
     """Numbers of both displacements of each node."""
     return np.ravel(2 * nodes[:, None] + np.arange(2))
-
-
-def nested_dissection(K: sp.csr_array, free: np.ndarray) -> np.ndarray:
-    """Order of some unknowns that keeps their factor sparse: METIS on the graph of the nodes.
-
-    Without METIS, which has no wheels for some systems, SuperLU's minimum degree, whose factors take longer.
-    """
-    nodes, of_node = np.unique(free // 2, return_inverse=True)
-    graph = K[::2, ::2][nodes][:, nodes].tocoo()
-    other = graph.row != graph.col
-    graph = sp.csr_array(
-        (np.ones(other.sum(), dtype=np.int8), (graph.row[other], graph.col[other])), graph.shape
-    )
-    try:
-        import pymetis
-    except ImportError:
-        rank = _minimum_degree(graph)
-    else:
-        rank = np.asarray(pymetis.nested_dissection(pymetis.CSRAdjacency(graph.indptr, graph.indices))[1])
-    return np.argsort(rank[of_node], kind="stable")
-
-
-def _minimum_degree(graph: sp.csr_array) -> np.ndarray:
-    """Place (n,) of each node of a graph in the order that SuperLU would take."""
-    n = graph.shape[0]
-    heavy = sp.eye_array(n) * (graph.sum(axis=1).max() + 1.0) - graph.astype(float)
-    return splu(heavy.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).perm_c
-
-
-def factorised(K: sp.csr_array, order: np.ndarray) -> SuperLU:
-    """LU of a symmetric positive definite part of a matrix, its unknowns in the given order, without pivoting."""
-    return splu(
-        K[order][:, order].tocsc(),
-        permc_spec="NATURAL",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )

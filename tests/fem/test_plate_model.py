@@ -7,7 +7,8 @@ import pytest
 
 from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
-from slmm.fem.plate_model import PlateModel, SlitModel, factorised, last_block, nested_dissection
+from slmm.fem.plate_model import PlateModel, SlitModel
+from slmm.fem.sparse_factor import factorised, last_block, nested_dissection
 from slmm.scene import gallery
 from slmm.scene.loading import Affine, Condition, Loading, plate_edges
 
