@@ -1,11 +1,12 @@
 """Method auto: for every position the cheapest method whose own estimate meets the tolerance.
 
-In order of their cost: trial cracks from smooth surfaces, all at once; at corners, crack tips and wherever else these
-leave more than the tolerance a trial crack for the position; and a model with a slit for it, where there is a mesher.
-Parts with so many outlines that boundary integrals cost more go another way: the strength alone, where any critical
-crack is so short that the stress hardly falls along it; a crack cell on voxels; the asymptotics of corners and crack
-tips; dislocations in a body-fitted model of the part. Each method is asked only at the positions that those before
-could not settle, and the result says what was used where, and why.
+In order of their cost: trial cracks from smooth surfaces, all at once; at corners, crack tips and beside them, where
+there is a mesher, asymptotics and dislocations in one body-fitted model of the part; wherever these leave more than the
+tolerance, and where the index is largest, a trial crack for the position, or, where that costs less, a model with a
+slit for it. Parts with so many outlines that boundary integrals cost more go another way: the strength alone, where any
+critical crack is so short that the stress hardly falls along it; a crack cell on voxels; the asymptotics of corners and
+crack tips; dislocations in a body-fitted model of the part. Each method is asked only at the positions that those
+before could not settle, and the result says what was used where, and why.
 
 The tolerance is relative to the index, but no crack starts where another position has several times as large a one:
 of indices below a quarter of the largest it is the tolerance of that quarter. Where nothing is under tension, and all
@@ -44,6 +45,11 @@ MATTERS = 0.25
 #: and where what is known keeps the index below this share, no model of its own is made for it; chosen
 NEGLIGIBLE = 0.1
 
+#: up to so many a trial crack for one position costs less than a mesh with a slit for it; chosen
+BORDERS_AFFORDED = 800
+#: methods that leave hardly an error
+EXACT = ("boundary", "full-fea")
+
 #: the method where curves end too early, and bound the index
 BOUNDS = "bounds"
 ELSEWHERE = "a crack starts elsewhere first: the strength keeps the index below {} of the largest"
@@ -61,32 +67,49 @@ def by_choice(task: Task) -> Answer:
         choice.ask("crack cell", _cells_or_strength, choice.open)
         return choice.explained(GIVEN)
     has_fea = find_spec("netgen") is not None
-    if points_afforded(task):
-        from slmm.initiation.by_boundary import by_borders, by_surfaces
+    points = _boundary_points(task)
+    if points <= POINTS_AFFORDED:
+        from slmm.initiation.by_boundary import by_surfaces
 
         choice.ask("trial cracks at once", by_surfaces, choice.open)
         choice.settle_negligible()
-        choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_borders(task), choice.open)
+        if has_fea and len(choice.open) > 1:
+            _on_meshes(choice)
+        if not has_fea or points <= BORDERS_AFFORDED:
+            _by_borders(choice)
     else:
         _many_outlines(choice, has_fea)
     if not has_fea:
         return choice.explained(NO_FEA)
     choice.settle_negligible()
-    if len(choice.open):
+    to_make_sure = points <= POINTS_AFFORDED and not choice.is_exact_at_largest
+    if len(choice.open) or to_make_sure:
         from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
 
         choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
+        if to_make_sure:
+            choice.ask_at_largest("full FEA", partial(by_full_fea, least=0.0, reached=None))
     return choice.explained(NOTHING_CLOSER)
 
 
-def points_afforded(task: Task) -> bool:
-    """Whether boundary integrals of the part are cheap."""
+def _by_borders(choice: _Choice) -> None:
+    """Ask trial cracks one by one, and where the index is largest."""
+    from slmm.initiation.by_boundary import by_borders
+
+    choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_borders(task), choice.open)
+    choice.ask_at_largest("trial cracks", by_borders)
+
+
+def _boundary_points(task: Task) -> float:
+    """How many points on its boundary the part needs; infinite where boundary integrals refuse it."""
     from slmm.initiation.boundary_field import boundary_points
 
-    try:
-        return "boundary" in task.solved or boundary_points(task.scene) <= POINTS_AFFORDED
-    except ValueError:
-        return False
+    if "boundary points" not in task.solved:
+        try:
+            task.solved["boundary points"] = boundary_points(task.scene)
+        except ValueError:
+            task.solved["boundary points"] = np.inf
+    return float(task.solved["boundary points"])
 
 
 def _many_outlines(choice: _Choice, has_fea: bool) -> None:
@@ -105,11 +128,15 @@ def _many_outlines(choice: _Choice, has_fea: bool) -> None:
         choice.settle_negligible()
         choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_boundary(task), choice.open)
         return
-    # these import the finite element libraries
-    from slmm.initiation.by_asymptotics import by_asymptotics
+    _on_meshes(choice)
+
+
+def _on_meshes(choice: _Choice) -> None:
+    """Ask what one body-fitted model of the part serves at many positions."""
+    from slmm.initiation.by_asymptotics import by_asymptotics  # these import the finite element libraries
     from slmm.initiation.by_dislocations import by_dislocations
 
-    left = choice.open
+    task, left = choice.task, choice.open
     choice.ask("asymptotics", by_asymptotics, left[~task.smooth[left]])
     left = choice.open
     loose = task.tolerance >= LOOSE and task.scene.material.plane_stress_equivalent[1] < LOCKING
@@ -194,6 +221,24 @@ class _Choice:
                 reached = self.answer.curves.a[[i], -1] if self.bounded[i] else None
                 self.ask(name, partial(method, least=MATTERS * self.largest, reached=reached), np.array([i]))
                 self.settle_negligible()
+
+    def ask_at_largest(self, name: str, method: Callable[[Task], Answer]) -> None:
+        """Ask an exact method where the index is largest, until it has given the largest one itself."""
+        for _ in range(self.task.n):
+            if self.is_exact_at_largest:
+                break
+            i = int(np.nan_to_num(self.index).argmax())
+            before = self.answer.method[i]
+            self.ask(name, method, np.array([i]))
+            if self.answer.method[i] == before:
+                break
+
+    @property
+    def is_exact_at_largest(self) -> bool:
+        """Whether an exact method has given the largest index, or there is none."""
+        index = np.nan_to_num(self.index)
+        i = int(index.argmax())
+        return bool(index[i] == 0) or self.answer.method[i] in EXACT
 
     def settle(self) -> None:
         """Find the positions whose error is small enough beside their index or the largest one."""
