@@ -59,11 +59,26 @@ def test_of_many_outlines_a_corner_goes_to_the_asymptotics(monkeypatch):
     assert "crack cell: no cell: sharp corner" in str(result.reason.values)
 
 
-def test_a_corner_and_its_neighbour_have_trial_cracks():
+def test_a_corner_and_its_neighbour_have_slits_where_a_trial_crack_costs_more():
     result = auto(gallery.square_hole(), (65.0, 65.0), (65.0, 64.9))
-    assert result.used_method.values.tolist() == ["boundary", "boundary"]
+    assert result.used_method.values.tolist() == ["full-fea", "full-fea"]
     assert result.status.values.tolist() == ["ok", "ok"]
     assert "trial cracks at once: no trial cracks" in str(result.reason.values[0])
+
+
+def test_a_crack_tip_has_a_trial_crack():
+    """The part needs few points: a trial crack costs less than a mesh."""
+    result = failure_indices(gallery.edge_crack(), "auto").isel(position=0)
+    assert result.used_method == "boundary" and result.status == "ok"
+
+
+@pytest.mark.parametrize("afforded", [0, 10_000])
+def test_the_largest_index_is_an_exact_method_s(monkeypatch, afforded):
+    """The asymptotics meet the tolerance at the corner, and are asked again where nothing is larger."""
+    monkeypatch.setattr(by_choice, "BORDERS_AFFORDED", afforded)
+    result = auto(gallery.v_notch(), (10.0, 60.0), (10.0, 60.0)).isel(position=0)
+    assert result.used_method == ("boundary" if afforded else "full-fea")
+    assert float(result.failure_index) == pytest.approx(1.334, rel=1e-3)
 
 
 def test_a_sharp_root_has_trial_cracks():
