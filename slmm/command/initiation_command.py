@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from slmm.command.solved_part import ResultFlags, scene_of
+from slmm.command.solved_part import ResultFlags, is_scene, scene_of
 from slmm.command.terminal import (
     PICTURE_FORMATS,
     RESULT_FORMATS,
@@ -137,7 +137,7 @@ def initiation(
                 tolerance=tolerance,
                 displacements=displacements,
                 progress=progress,
-                field=None if displacements is None else field,
+                field=field if is_scene(scene_file, flags) else None,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:

@@ -26,6 +26,13 @@ class ResultFlags(NamedTuple):
     field: str | None
 
 
+def is_scene(path: Path, flags: ResultFlags) -> bool:
+    """Whether a file is taken for a scene."""
+    asked = flags.material is not None or flags.strength is not None
+    suffix = path.suffix.lower()
+    return suffix == ".toml" or not (asked or suffix in RESULTS)
+
+
 def scene_of(path: Path, flags: ResultFlags, displacements: Path | None) -> Scene:
     """The scene of a scene file, or of results.
 
@@ -34,8 +41,7 @@ def scene_of(path: Path, flags: ResultFlags, displacements: Path | None) -> Scen
     OSError, ValueError
         When it cannot be read, or options do not belong to it.
     """
-    asked = flags.material is not None or flags.strength is not None
-    if path.suffix.lower() == ".toml" or not (asked or path.suffix.lower() in RESULTS):
+    if is_scene(path, flags):
         for name, value in flags._asdict().items():
             if value is not None and value is not False and name != "field":
                 raise ValueError(

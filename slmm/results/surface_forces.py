@@ -62,8 +62,8 @@ def surface_forces(
     >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
     >>> pulled = DisplacementField(square, {"quad": np.array([[0, 1, 2, 3]])}, 1e-3 * square * [1, 0])
     >>> found = surface_forces(pulled, Material(100e3, 0.0, 10.0, 0.1), np.arange(4))
-    >>> found.forces.round(6).tolist(), found.acts.any(axis=0).tolist()
-    ([[-50.0, 0.0], [50.0, 0.0], [50.0, -0.0], [-50.0, -0.0]], [True, False])
+    >>> (found.forces.round(6) + 0.0).tolist(), found.acts.any(axis=0).tolist()
+    ([[-50.0, 0.0], [50.0, 0.0], [50.0, 0.0], [-50.0, 0.0]], [True, False])
     """
     rules = [_forces(field, material, reduced) for reduced in (False, True)]
     inside = np.ones(len(field.points), dtype=bool)
