@@ -75,21 +75,31 @@ def by_choice(task: Task) -> Answer:
         choice.settle_negligible()
         if has_fea and len(choice.open) > 1:
             _on_meshes(choice)
-        if not has_fea or points <= BORDERS_AFFORDED:
-            _by_borders(choice)
+        exact = [_by_borders]
+        if has_fea:
+            exact.insert(1 if points <= BORDERS_AFFORDED else 0, _by_slits)
+        for ask in exact:
+            ask(choice)
+            choice.settle_negligible()
     else:
         _many_outlines(choice, has_fea)
-    if not has_fea:
-        return choice.explained(NO_FEA)
-    choice.settle_negligible()
-    to_make_sure = points <= POINTS_AFFORDED and not choice.is_exact_at_largest
-    if len(choice.open) or to_make_sure:
+    return choice.explained(NOTHING_CLOSER if has_fea else NO_FEA)
+
+
+def _by_slits(choice: _Choice) -> None:
+    """Ask meshes with a slit one by one, and where the index is largest."""
+    _open_by_slits(choice)
+    if not choice.is_exact_at_largest:
+        from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
+
+        choice.ask_at_largest("full FEA", by_full_fea)
+
+
+def _open_by_slits(choice: _Choice) -> None:
+    if len(choice.open):
         from slmm.initiation.by_full_fea import by_full_fea  # imports the finite element libraries
 
         choice.ask_one_by_one("full FEA", by_full_fea, choice.open)
-        if to_make_sure:
-            choice.ask_at_largest("full FEA", partial(by_full_fea, least=0.0, reached=None))
-    return choice.explained(NOTHING_CLOSER)
 
 
 def _by_borders(choice: _Choice) -> None:
@@ -129,6 +139,8 @@ def _many_outlines(choice: _Choice, has_fea: bool) -> None:
         choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_boundary(task), choice.open)
         return
     _on_meshes(choice)
+    choice.settle_negligible()
+    _open_by_slits(choice)
 
 
 def _on_meshes(choice: _Choice) -> None:
