@@ -6,7 +6,7 @@ import pytest
 from slmm import Material, Scene, failure_indices
 from slmm.initiation.solved_scene import solved_scene
 from slmm.results.field import DisplacementField
-from tests.solved_plates import SIDE, ring, stretched, triangles, with_middles
+from tests.solved_plates import SIDE, ring, solved, stretched, triangles, with_middles
 
 PMMA = Material.from_name("PMMA")
 AT = {"analysis": {"points": [[12.0, 10.0]], "method": "boundary"}}
@@ -60,6 +60,20 @@ def test_what_is_not_elastic_is_refused():
         solved_scene(heated, PMMA)
     with pytest.raises(ValueError, match="there is no load"):
         solved_scene(DisplacementField(points, field.cells, np.full_like(points, 0.1)), PMMA)
+
+
+def test_gravity_is_refused_on_fine_meshes_too():
+    """Each node inside bears little of it there; a plate that is held on top and nowhere moved takes no work at all."""
+    points, quads = ring(40, 10)
+    ends = points[quads[:, 2:]] - points[quads[:, :2]]
+    weight = 0.5 * np.abs(ends[:, 0, 0] * ends[:, 1, 1] - ends[:, 0, 1] * ends[:, 1, 0])
+    force = np.zeros_like(points)
+    np.add.at(force[:, 1], quads.ravel(), np.repeat(-0.25 * weight, 4))
+    top = np.flatnonzero(points[:, 1] == SIDE)
+    held = np.concatenate([2 * top, 2 * top + 1])
+    hanging = solved(points, {"quad": quads}, PMMA, held, np.zeros(len(held)), force)
+    with pytest.raises(ValueError, match="gravity"):
+        at_side(solved_scene(hanging, PMMA))
 
 
 def test_a_model_needs_its_material_and_no_scene():
