@@ -88,7 +88,7 @@ class Panelling:
 
     def _even_cuts(self, stretch: Stretch, contour: int, samples: _Samples) -> Array:
         """The same of a smooth closed curve: each panel is as good a share of what it may be."""
-        share = np.linspace(0.0, 1.0, EVEN + 1)
+        share = stretch.shares(EVEN)
         longest = self._longest(stretch, share, contour, samples) / stretch.length
         # beside a short panel none is longer than that and its distance, all round the curve
         way, length = np.concatenate([share - 1.0, share, share + 1.0]), np.tile(longest, 3)
@@ -96,7 +96,7 @@ class Panelling:
         ahead = np.minimum.accumulate((length + way)[::-1])[::-1] - way
         longest = np.minimum(behind, ahead)[len(share) : 2 * len(share)]
         density = 1.0 / longest
-        number = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) / EVEN)])
+        number = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(share))])
         n = max(LEAST, int(np.ceil(number[-1] * (1 - SAME))))
         return np.interp(np.arange(n + 1) / n, number / number[-1], share)
 

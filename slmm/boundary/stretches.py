@@ -23,6 +23,9 @@ JUTTING, REENTRANT = 0.25, 1e-5
 CHANGE, SUPPORT, HELD = 0.05, 1e-5, 1e-3
 #: points of a curve that tell whether it is straight (chosen), and how far these may lie beside it, over its length
 STRAIGHT_SAMPLES, ROUND_OFF = 7, 1e-13
+#: a bend so much sharper than beside it has to be seen, unless it turns the curve by less than so many rad from one
+#: sample to the next; both chosen
+UNSEEN, SEEN = 1.5, 0.1
 
 
 class Grading(NamedTuple):
@@ -93,6 +96,18 @@ class Stretch(NamedTuple):
             return np.asarray(self.start + share * (self.end - self.start))
         x, y = self.outline.points(self.s[0] - share * self.length).T
         return np.asarray(x + 1j * y)
+
+    def shares(self, n: int) -> Array:
+        """Shares of the length from 0 to 1: n even steps, and more where these do not see how sharply it bends."""
+        even = np.linspace(0.0, 1.0, n + 1)
+        if self.outline is None:
+            return even
+        inside = np.sort((self.s[0] - self.outline.breaks[:-1]) % self.outline.length / self.length)
+        inside = inside[inside < 1.0]
+        seen, bend = (np.abs(self.outline.curvatures(self.s[0] - at * self.length)) for at in (even, inside))
+        step = np.clip((inside * n).astype(int), 0, n - 1)
+        unseen = bend > np.maximum(UNSEEN * np.maximum(seen[step], seen[step + 1]), SEEN * n / self.length)
+        return np.unique(np.concatenate([even, inside[unseen]]))
 
     def at(self, share: Array) -> tuple[Complex, Complex, Array]:
         """Points (n,), tangents (n,) and curvatures (n,), positive to the left, at shares of the length.

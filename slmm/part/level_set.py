@@ -11,15 +11,25 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
+from slmm.part.graded_outline import graded_outline
 from slmm.part.outline import Outline
+from slmm.part.outline_splines import turns
 
 Array = NDArray[np.float64]
 
 #: samples between two support points in which contours are traced, and points of an outline; both chosen: contours that
 #: touch are parted by the saddles' own test, not by the samples
 SAMPLES, POINTS = 24, 40
+#: largest angles, rad, by which a contour turns between two even points, and between two where it is followed since
+#: it would turn by more; both chosen
+EVEN_TURN, TURN = 0.5, 0.15
+#: the same within three chords of a line that is traced on samples; chosen
+TRACED_TURN = 0.9
+#: in spacings, between two points at least: beyond, it is a corner; chosen
+SHORTEST = 1e-5
 #: Newton steps onto the contour, or a saddle, at most, and the step, in spacings, at which they end; round-off
 STEPS, REACHED = 30, 1e-13
 #: a saddle is sought up to so many spacings from where the search began; chosen
@@ -111,12 +121,19 @@ class LevelSet:
         IslandError
             When there is material within a hole.
         """
-        centre = np.array(self.centre)
-        found = [Outline.through(centre + self.spacing * self._evenly(places)) for places in self.contours()]
-        return sorted(found, key=lambda outline: tuple(outline.box[0][::-1]))
+        outlines, centre = [], np.array(self.centre)
+        for line in self.contours():
+            at = self._beside(line)
+            if self._turning(at) <= EVEN_TURN:
+                outlines.append(Outline.through(centre + self.spacing * at))
+            else:
+                followed = self._followed(at)
+                # the body is on the right of lines
+                outlines += [graded_outline(centre + self.spacing * ring[::-1]) for ring in followed]
+        return sorted(outlines, key=lambda outline: tuple(outline.box[0][::-1]))
 
     def contours(self) -> list[Array]:
-        """Traced lines (n, 2) around the holes, in spacings from the middle.
+        """Lines (n, 2) around the holes, in spacings from the middle: traced on samples, with the saddles as they are.
 
         Raises
         ------
@@ -128,36 +145,106 @@ class LevelSet:
         side = np.linspace(self.axis[0], self.axis[-1], SAMPLES * (len(self.axis) - 1) + 1)
         along = self._kernel(side, 0)
         field = along @ self.weights @ along.T
-        found = []
-        for contour in find_contours(field, self.threshold, positive_orientation="high"):
-            places = side[0] + contour[:-1, ::-1] * (side[1] - side[0])
-            if len(places) < 4:
-                continue  # a peak that hardly reaches the threshold
-            x, y = places.T
+        traced = find_contours(field, self.threshold, positive_orientation="high")
+        # what has three points is a peak that hardly reaches the threshold
+        lines = [side[0] + line[:-1, ::-1] * (side[1] - side[0]) for line in traced if len(line) > 4]
+        if sharp := [line for line in lines if _is_sharp(line)]:
+            # samples may connect otherwise than the contour where a saddle lies near the threshold
+            followed = self._followed(np.vstack([self._beside(line) for line in sharp]))
+            lines = [line for line in lines if not _is_sharp(line)] + followed
+        for line in lines:
+            x, y = line.T
             # the lines have what is high on one and the same side
             if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0:
-                x, y = (self.centre + self.spacing * places.mean(axis=0)).tolist()
+                x, y = (self.centre + self.spacing * line.mean(axis=0)).tolist()
                 island = IslandError(f"the pattern has an island of material near ({x:.4g}, {y:.4g})")
                 island.at = x, y
                 raise island
-            found.append(places)
-        return found
+        return lines
 
-    def _evenly(self, places: Array) -> Array:
+    def _beside(self, places: Array) -> Array:
         """Points (k, 2), in spacings, evenly spaced along a closed line (n, 2) and then exactly on the contour."""
         ring = np.vstack([places, places[:1]])
         way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(ring, axis=0).T))])
         count = max(int(np.ceil(POINTS * way[-1])), 4 * POINTS)
         even = way[-1] * np.arange(count) / count
-        at = np.column_stack([np.interp(even, way, ring[:, k]) for k in (0, 1)])
+        return self._onto(np.column_stack([np.interp(even, way, ring[:, k]) for k in (0, 1)]))
+
+    def _turning(self, at: Array) -> float:
+        """The largest angle, rad, by which a contour turns between two of its points (n, 2)."""
+        step = np.hypot(*(np.roll(at, -1, axis=0) - at).T)
+        return float(max(np.abs(turns(at)).max(), (step * np.abs(self._bends(at))).max()))
+
+    def _followed(self, places: Array) -> list[Array]:
+        """Points (k, 2) of each contour that passes by some places (n, 2) on them, none of them left out."""
+        found = []
+        while len(places):
+            ring = self._round(places[int(np.abs(self._bends(places)).argmin())])
+            found.append(ring)
+            passed, _ = cKDTree(ring).query(places)
+            places = places[passed > 1.0 / SAMPLES]
+        return found
+
+    def _onto(self, at: Array) -> Array:
+        """The points of the contour (n, 2) to which the function's slope leads from places (n, 2)."""
         for _ in range(STEPS):
-            slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
+            slope = self._slopes(at)
             off = self._derivative(at, 0, 0) - self.threshold
             step = (off / (slope**2).sum(axis=1))[:, None] * slope
             at = at - step
             if np.abs(step).max() < REACHED:
                 break
         return at
+
+    def _round(self, start: Array) -> Array:
+        """Points (k, 2) once round the contour from one of them (2,), between which it turns little.
+
+        Raises
+        ------
+        ValueError
+            Where it bends too sharply to be followed.
+        """
+        longest = 1.0 / POINTS
+        found, at, step = [start], start[None], longest
+        while len(found) < 4 or np.linalg.norm(at[0] - start) > 0.75 * step:
+            along, bend = self._direction(at), np.abs(self._bends(at))[0]
+            step = min(longest, 2 * step, TURN / max(bend, 1e-300))
+            while True:
+                ahead = self._onto(at + step * self._direction(at + 0.5 * step * along))
+                moved = ahead - at
+                turn = np.arccos(np.clip((along * self._direction(ahead)).sum(), -1.0, 1.0))
+                if turn <= TURN and (moved * along).sum() > 0 and np.linalg.norm(moved) < 1.5 * step:
+                    break
+                step *= 0.5
+                if step < SHORTEST:
+                    x, y = (self.centre + self.spacing * at[0]).tolist()
+                    raise ValueError(
+                        f"the pattern has a corner near ({x:.6g}, {y:.6g}): its saddle lies"
+                        f" {self.margin():.1g} from the threshold, where holes neither meet nor part"
+                    )
+            at = ahead
+            found.append(at[0])
+        return np.array(found[:-1])
+
+    def _slopes(self, at: Array) -> Array:
+        """How the function rises along x and y (n, 2) at places (n, 2)."""
+        return np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
+
+    def _direction(self, at: Array) -> Array:
+        """Unit vectors (n, 2) along contours, what is high on their right as on traced lines."""
+        x, y = self._slopes(at).T
+        return np.column_stack([-y, x]) / np.hypot(x, y)[:, None]
+
+    def _bends(self, at: Array) -> Array:
+        """Curvatures (n,) of contours at places (n, 2), over spacings."""
+        x, y = self._slopes(at).T
+        xx, yy, xy = self._second(at)
+        return np.asarray((xx * y**2 - 2 * xy * x * y + yy * x**2) / np.hypot(x, y) ** 3)
+
+    def _second(self, at: Array) -> tuple[Array, Array, Array]:
+        """Second derivatives (n,) by x, by y and by both at places (n, 2)."""
+        xx, yy, xy = (self._derivative(at, *order) for order in ((2, 0), (0, 2), (1, 1)))
+        return xx, yy, xy
 
     def margin(self) -> float:
         """How far the nearest saddle of the function is from the threshold: less, and the holes connect otherwise.
@@ -185,8 +272,8 @@ class LevelSet:
         start = np.stack(np.meshgrid(half, half), axis=-1).reshape(-1, 2)
         at = start.copy()
         for _ in range(STEPS):
-            slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
-            xx, yy, xy = (self._derivative(at, *order) for order in ((2, 0), (0, 2), (1, 1)))
+            slope = self._slopes(at)
+            xx, yy, xy = self._second(at)
             determinant = xx * yy - xy**2
             determinant = np.where(np.abs(determinant) > 1e-12, determinant, np.inf)
             step = (
@@ -194,8 +281,8 @@ class LevelSet:
                 / determinant[:, None]
             )
             at = at - np.clip(step, -NEAR, NEAR)
-        xx, yy, xy = (self._derivative(at, *order) for order in ((2, 0), (0, 2), (1, 1)))
-        slope = np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
+        xx, yy, xy = self._second(at)
+        slope = self._slopes(at)
         is_saddle = (
             (xx * yy < xy**2) & (np.abs(slope).max(axis=1) < 1e-9) & (np.abs(at - start).max(axis=1) < NEAR)
         )
@@ -206,3 +293,9 @@ class LevelSet:
         values = self._derivative(at, 0, 0)
         order = np.argsort(np.abs(values - self.threshold), kind="stable")
         return self.centre + self.spacing * at[order], values[order]
+
+
+def _is_sharp(line: Array) -> bool:
+    """Whether a traced line (n, 2) turns so much within three chords that samples do not tell how."""
+    turn = turns(line)
+    return bool(np.abs(turn + np.roll(turn, 1) + np.roll(turn, 2)).max() > TRACED_TURN)

@@ -52,7 +52,7 @@ class Outline:
     ----------
     breaks : (m + 1,) array
         Arc lengths of the break points, mm, from 0 to the length of the outline; evenly spaced on an outline
-        `through` points.
+        `through` points, and near each other where one of `graded_outline` bends.
     coefficients : (4, m, 2) array
         Coefficients of x and y between the breaks, highest power first, as in `scipy.interpolate.PPoly`.
     corners : (k,) array

@@ -82,7 +82,7 @@ def open_spline(points: Array) -> PPoly:
         return PPoly(np.array([[0 * direction], [0 * direction], [direction], [points[0]]]), parameter)
     for _ in range(3):  # from the chord lengths to the arc lengths
         spline = CubicSpline(parameter, points)
-        parameter = np.concatenate([[0.0], np.cumsum(_lengths(spline))])
+        parameter = np.concatenate([[0.0], np.cumsum(arc_lengths(spline))])
     return spline
 
 
@@ -131,7 +131,7 @@ class _Speed:
         return np.sqrt(velocity[0] + velocity[1])
 
 
-def _lengths(spline: CubicSpline) -> Array:
+def arc_lengths(spline: CubicSpline) -> Array:
     """Arc lengths (m,) of the spline between its breaks."""
     half = 0.5 * np.diff(spline.x)
     speed = _Speed(spline, np.arange(len(half)))(half[:, None] * (GAUSS_POINTS + 1))
@@ -140,7 +140,7 @@ def _lengths(spline: CubicSpline) -> Array:
 
 def equidistant(spline: CubicSpline, n: int) -> tuple[Array, Array]:
     """Arc lengths (n + 1,) and points (n, 2) of the spline, evenly spaced in arc length."""
-    lengths = _lengths(spline)
+    lengths = arc_lengths(spline)
     arc = np.concatenate([[0.0], np.cumsum(lengths)])
     s = np.linspace(0.0, arc[-1], n + 1)
     piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(lengths) - 1)
@@ -162,9 +162,7 @@ def number_of_pieces(spline: CubicSpline) -> int:
     s, points = equidistant(spline, MAX_PIECES)
     step = s[1]
     # the angle between neighbouring chords: unlike the second derivative, it forgives tiny kinks
-    chords = np.roll(points, -1, axis=0) - points
-    direction = chords[:, 0] + 1j * chords[:, 1]
-    turn = np.abs(np.angle(np.roll(direction, -1) / direction))
+    turn = np.abs(turns(points))
     sharpest = int(turn.argmax())
     if turn[sharpest] > TURN_REFUSED:
         x, y = points[(sharpest + 1) % MAX_PIECES]
@@ -174,6 +172,13 @@ def number_of_pieces(spline: CubicSpline) -> int:
             f" for a curvature; round it, with {allowed:.3g} mm or more"
         )
     return int(np.clip(np.ceil(MAX_PIECES * turn[sharpest] / TURN_PER_PIECE), MIN_PIECES, MAX_PIECES))
+
+
+def turns(points: Array) -> Array:
+    """Angles (n,), rad, by which a closed line through points (n, 2) turns at the end of each of its chords."""
+    chords = np.roll(points, -1, axis=0) - points
+    direction = chords[:, 0] + 1j * chords[:, 1]
+    return np.asarray(np.angle(np.roll(direction, -1) / direction))
 
 
 def smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -> CubicSpline:
