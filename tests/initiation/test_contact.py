@@ -118,6 +118,14 @@ def test_a_corner_under_compression_opens_no_crack():
         assert result.status == "ok" and result.failure_index == 0 == result.failure_index_error
 
 
+def test_a_tip_that_only_shears_opens_no_crack():
+    """An inclined crack under compression has mode II, and a negative mode I, whose faces would overlap."""
+    cracks = [{"points": [[15.0, 55.0], [25.0, 65.0]]}]
+    scene = gallery.edge_crack(10.0, cracks=cracks, load={"stress": -10.0})
+    for result in (failure_indices(scene, method) for method in ("boundary", "auto")):
+        assert (result.status == "ok").all() and (result.failure_index == 0).all()
+
+
 @pytest.mark.parametrize("method", ["slmm", "slmm+ac"])
 def test_crack_cells_close_too_unless_the_papers_way_is_asked_for(method):
     scene = compressed(0.015, analysis={"points": [[50.0, 60.0]], "voxels": 90_000})
