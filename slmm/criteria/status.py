@@ -21,6 +21,7 @@ class Status(StrEnum):
     BEYOND_CELL = "crack longer than the cell"
     BEYOND_DISLOCATIONS = "crack longer than the dislocations reach"
     BEYOND_PATH = "crack longer than the path"
+    SEVERS = "hardly a crack shorter than the ligament starts, and one through it would sever the part"
     CELL_ENDS = "the cell ends before the critical distance"
 
     # criteria that do not apply

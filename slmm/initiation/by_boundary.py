@@ -13,18 +13,18 @@ from slmm.boundary.model import BoundaryModel
 from slmm.boundary.part_corrections import Starts, tangents
 from slmm.boundary.surface_cracks import PLACES, SurfaceCracks
 from slmm.boundary.trial_cracks import SOLVED, TrialCracks
-from slmm.criteria.coupled import NONE
+from slmm.criteria.coupled_curves import index_bounds
 from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
 from slmm.initiation.boundary_field import COVERED, BoundaryField, solve_boundary
 from slmm.initiation.cell_errors import reference_stress
-from slmm.initiation.paths import IN_LIGAMENT, Paths
+from slmm.initiation.contact import closes_at, held
+from slmm.initiation.paths import IN_LIGAMENT, Paths, ligament_end
 from slmm.initiation.task import Answer, Task
+from slmm.initiation.through_ligament import through
 from slmm.mechanics.stress import principal_stress
 from slmm.mechanics.williams import singular_exponent
 
-#: a mode I share of a closed crack that counts as none; round-off
-CLOSED = 1e-6
 #: what is always there, as a share: interpolation between lengths and round-off; chosen
 FLOOR = 1e-5
 #: trial cracks in a ligament reach so many of the part's tolerances at least, for the shortest of them is 1/247
@@ -37,6 +37,10 @@ ENOUGH, MATTERS = 2e-3, 0.25
 NO_CIRCLE = "another crack, or a corner or jump of the curvature within the crack's length"
 #: lengths between two breaks of cracks at corners and tips, where the power is known: 2e-5 of G_inc (chosen)
 BY_POWER = 4
+#: longer cracks that are solved where a path goes through its ligament (chosen on
+#: tests/initiation/test_through_ligament.py), and up to which share of it the stress is asked for: at a crack's face
+#: there are two (chosen)
+LONGER, BEFORE = 10, 0.999
 #: panels about uncertain positions are as short as this share of their longest cracks asks for, at so many of them at
 #: most (both chosen)
 FINER, MOST_FINER = 0.3, 24
@@ -53,11 +57,12 @@ def by_boundary(task: Task) -> Answer:
     if field is None:
         return answer
     field = _from_surfaces(field, task, answer, ENOUGH)
-    left = _not_enough(answer)
+    left = _not_enough(answer, task)
     for k, i in enumerate(left.tolist()):
         if len(left) > 1:  # of a single one, whoever asks says where it stands
             task.progress(k / len(left), f"trial cracks, position {k + 1} of {len(left)}")
-        _one_by_one(field, task, answer, i)
+        too_short = answer.status[i] == Status.BEYOND_PATH
+        _one_by_one(field, task, answer, i, float(answer.curves.a[i, -1]) if too_short else np.nan)
     return answer
 
 
@@ -71,13 +76,17 @@ def by_surfaces(task: Task) -> Answer:
     return answer
 
 
-def by_borders(task: Task) -> Answer:
-    """Answer position by position, with cracks as borders alone."""
+def by_borders(task: Task, reached: np.ndarray | None = None) -> Answer:
+    """Answer position by position, with cracks as borders alone.
+
+    Curves are known to end too early up to lengths ``reached`` (n,), mm; NaN where nothing is known.
+    """
+    reached = np.full(task.n, np.nan) if reached is None else reached
     answer = Answer.empty(task.n, "boundary")
     field = _field(task, answer)
     if field is not None:
         for i in range(task.n):
-            _one_by_one(field, task, answer, i)
+            _one_by_one(field, task, answer, i, float(reached[i]))
     return answer
 
 
@@ -104,18 +113,22 @@ def _bend(task: Task) -> np.ndarray:
     return bend
 
 
-def _not_enough(answer: Answer) -> np.ndarray:
-    """Positions that need a closer look: without curves, or where the energy's error is too large for the index."""
+def _not_enough(answer: Answer, task: Task) -> np.ndarray:
+    """Positions that need a closer look: without curves, or where these are uncertain or end early for the index."""
     has_value = answer.status == Status.OK
     with np.errstate(divide="ignore"):
         index = np.where(has_value, 1 / answer.load_factor, np.nan)
-    large = index >= MATTERS * np.nanmax(index, initial=0.0)
+    matters = MATTERS * np.nanmax(index, initial=0.0)
     curves = answer.curves
     away = np.abs(curves.a - np.nan_to_num(answer.crack_length)[:, None])
     at = np.nan_to_num(away, nan=np.inf).argmin(axis=1)
-    uncertain = large & (curves.G_error[np.arange(len(at)), at] > ENOUGH)
-    settled = has_value | np.isin(answer.status, (Status.CLOSES, Status.BEYOND_PATH))
-    return np.flatnonzero(~settled | uncertain)
+    uncertain = (index >= matters) & (curves.G_error[np.arange(len(at)), at] > ENOUGH)
+    beyond = answer.status == Status.BEYOND_PATH
+    if task.by_least_stress:
+        _, highest = index_bounds(curves, task.scene.material)
+        beyond &= ~(highest < matters)
+    settled = has_value | (answer.status == Status.BEYOND_PATH)
+    return np.flatnonzero(~settled | uncertain | beyond)
 
 
 def _from_surfaces(field: BoundaryField, task: Task, answer: Answer, enough: float) -> BoundaryField:
@@ -131,9 +144,7 @@ def _from_surfaces(field: BoundaryField, task: Task, answer: Answer, enough: flo
         index = np.where(answer.status == Status.OK, 1 / answer.load_factor, np.nan)
     largest = np.nanmax(index, initial=0.0) or reference_stress(task.scene) / task.scene.material.sigma_c
     allowed = enough * np.maximum(index, MATTERS * largest)
-    uncertain = ~(answer.index_error <= allowed) & ~np.isin(
-        answer.status, (Status.CLOSES, Status.BEYOND_PATH)
-    )
+    uncertain = ~(answer.index_error <= allowed) & (answer.status != Status.BEYOND_PATH)
     rows = rows[uncertain[rows]]
     if not len(rows):
         return field
@@ -199,7 +210,8 @@ def _judged_at_once(
     ]
     sigma, low = (principal_stress(cracks.stress(a).reshape(-1, 3)).reshape(a.shape) for cracks in by_order)
     sigma_error = _relative(sigma, low)
-    G, lower = (cracks.incremental(a) for cracks in by_order)
+    closed = closes_at(by_order[0].lengths, by_order[0].K)
+    G, lower = (held(a, cracks.incremental(a), closed) for cracks in by_order)
     scale = np.abs(G / np.maximum(a, 1e-300)).max(axis=1, keepdims=True) * a
     with np.errstate(divide="ignore", invalid="ignore"):
         off = COVERED * np.abs(G - lower) + by_order[0].tail[:, None] * scale
@@ -208,18 +220,6 @@ def _judged_at_once(
     free = sigma.max(axis=1) <= 0
     G[free] = G_error[free] = 0.0
     answer.judge(rows, PathCurves(a, G, sigma, G_error, sigma_error), task, Status.BEYOND_PATH)
-    K, lengths = by_order[0].K, by_order[0].lengths
-    _refuse_closed(answer, rows[~free], K[~free], lengths[~free])
-
-
-def _refuse_closed(answer: Answer, rows: np.ndarray, K: np.ndarray, lengths: np.ndarray) -> None:
-    """Take values back where a crack up to the critical length closes; K (k, n, 2) at lengths (k, n), mm."""
-    has_value = (answer.status[rows] == Status.OK) & np.isfinite(answer.load_factor[rows])
-    reached = lengths <= np.nan_to_num(answer.crack_length[rows], nan=np.inf)[:, None]
-    closes = np.any(reached & (K[..., 0] < -CLOSED * np.abs(K).max(axis=(1, 2))[:, None]), axis=1)
-    for i in rows[has_value & closes]:
-        answer.load_factor[i] = answer.crack_length[i] = answer.error[i] = np.nan
-        answer.governed_by[i], answer.status[i] = NONE, Status.CLOSES
 
 
 def _relative(high: np.ndarray, low: np.ndarray) -> np.ndarray:
@@ -229,11 +229,29 @@ def _relative(high: np.ndarray, low: np.ndarray) -> np.ndarray:
         return np.where(high != 0, error / np.abs(high), 0.0)
 
 
-def _one_by_one(field: BoundaryField, task: Task, answer: Answer, i: int) -> None:
-    """Fill one row by cracks as borders, with the usual path, and then a longer one."""
+def _one_by_one(field: BoundaryField, task: Task, answer: Answer, i: int, reached: float = np.nan) -> None:
+    """Fill one row by cracks as borders: with the usual path, a longer one, and one through the ligament."""
     for longest in dict.fromkeys((task.paths.longest[i], task.paths.lengthened().longest[i])):
-        if not _judged(field, task, answer, i, float(longest)):
-            break
+        if not longest <= 1.001 * reached and not _judged(field, task, answer, i, float(longest)):
+            return
+    _judged_through(field, task, answer, i)
+
+
+def _judged_through(field: BoundaryField, task: Task, answer: Answer, i: int) -> None:
+    """Fill one row by cracks through its whole ligament; where there are none, what is known stays."""
+    start, end = task.paths.start[i], ligament_end(task.scene, task.paths, i)
+    exponent, tip = _power(task, i)
+    solved = SOLVED if task.smooth[i] else BY_POWER
+    orders = (field.model, solved, LONGER), (field.lower, solved - 1, LONGER - 1)
+    try:
+        high, low = (through(model, start, end, exponent, tip, *numbers) for model, *numbers in orders)
+    except ValueError as error:
+        answer.status[i] = answer.status[i] or Status.NO_TRIAL.of(error)
+        return
+    points = start + np.minimum(high.a, BEFORE * high.a[-1])[:, None] * task.paths.direction[i]
+    sigma, sigma_error = _principal(field, points, singular=not task.smooth[i])
+    curves = _curves(high.a, high.G, low.G, sigma, sigma_error, high.closed)
+    answer.judge(np.array([i]), curves, task, Status.SEVERS, np.array([high.cuts]))
 
 
 def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: float) -> bool:
@@ -262,22 +280,40 @@ def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: f
     G, lower = (np.concatenate([[0.0], trial.incremental(a[0, 1:])]) for trial in trials)
     if trials[0].exponent == 0:
         G[0], lower[0] = G[1], lower[1]
+    closed = float(closes_at(trials[0].lengths[None], trials[0].K[None])[0])
+    curves = _curves(a[0], G, lower, sigma, sigma_error, closed)
+    answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
+    return str(answer.status[i]) == Status.BEYOND_PATH
+
+
+def _curves(
+    a: np.ndarray,
+    G: np.ndarray,
+    lower: np.ndarray,
+    sigma: np.ndarray,
+    sigma_error: np.ndarray,
+    closed: float,
+) -> PathCurves:
+    """Curves of one path (k,) whose cracks close from a length on, mm; the lower order tells the error of G."""
+    G, lower = (held(a[None], each[None], np.array([closed]))[0] for each in (G, lower))
     with np.errstate(divide="ignore", invalid="ignore"):
         G_error = FLOOR + COVERED * np.where(G > 0, np.abs(G - lower) / G, 0.0)
-    curves = PathCurves(a, G[None], sigma[None], G_error[None], sigma_error[None])
-    answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
-    _refuse_closed(answer, np.array([i]), trials[0].K[None], trials[0].lengths[None])
-    return str(answer.status[i]) == Status.BEYOND_PATH
+    return PathCurves(*(values[None] for values in (a, G, sigma, G_error, sigma_error)))
 
 
 def _trial(model: BoundaryModel, task: Task, i: int, longest: float, solved: int) -> TrialCracks:
     """Trial cracks of a position up to a length, mm."""
-    opening, exponent, tip = float(task.where.corner[i]), 1.0, None
+    return TrialCracks(
+        model, task.paths.start[i], task.paths.direction[i], longest, *_power(task, i), solved=solved
+    )
+
+
+def _power(task: Task, i: int) -> tuple[float, int | None]:
+    """Exponent of G at short lengths of a position's cracks, and the tip that goes on."""
+    opening = float(task.where.corner[i])
     if opening == 0:
-        exponent, tip = 0.0, int(task.where.tip[i])
-    elif np.isfinite(opening):
-        exponent = 2 * singular_exponent(opening) - 1
-    return TrialCracks(model, task.paths.start[i], task.paths.direction[i], longest, exponent, tip, solved)
+        return 0.0, int(task.where.tip[i])
+    return (2 * singular_exponent(opening) - 1 if np.isfinite(opening) else 1.0), None
 
 
 def _principal(field: BoundaryField, points: np.ndarray, singular: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -106,7 +106,7 @@ def _by_borders(choice: _Choice) -> None:
     """Ask trial cracks one by one, and where the index is largest."""
     from slmm.initiation.by_boundary import by_borders
 
-    choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_borders(task), choice.open)
+    choice.ask_one_by_one("trial cracks", lambda task, least, reached: by_borders(task, reached), choice.open)
     choice.ask_at_largest("trial cracks", by_borders)
 
 

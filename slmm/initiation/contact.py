@@ -11,6 +11,8 @@ from numpy.polynomial import legendre
 
 #: share of the crack length at which the opening tells whether the tip is open; chosen
 NEAR_TIP = 0.9
+#: a mode I share of a closed crack that counts as none; round-off
+CLOSED = 1e-6
 
 
 def tip_opening(moments: np.ndarray) -> np.ndarray:
@@ -45,3 +47,47 @@ def until_closed(energy: np.ndarray, opening: np.ndarray) -> np.ndarray:
     """
     open_so_far = np.logical_and.accumulate(opening > 0, axis=-1)
     return np.maximum.accumulate(np.where(open_so_far, np.maximum(energy, 0.0), 0.0), axis=-1)
+
+
+def closes_at(lengths: np.ndarray, K: np.ndarray) -> np.ndarray:
+    """Length (k,) from which on cracks along a path close at their tips, infinite where they never do, mm.
+
+    Parameters
+    ----------
+    lengths : ndarray (k, n)
+        Ascending, mm.
+    K : ndarray (k, n, 2)
+        Modes I and II of faces that could penetrate one another.
+
+    Examples
+    --------
+    >>> K = np.array([[[1.0, 0.0], [-1.0, 0.5], [-2.0, 0.5]], [[3.0, 0.0], [2.0, 0.0], [1.0, 0.0]]])
+    >>> closes_at(np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]]), K)
+    array([1.5, inf])
+    """
+    shut = K[..., 0] < -CLOSED * np.abs(K).max(axis=(-2, -1))[:, None]
+    row, after = np.arange(len(K)), shut.argmax(axis=1)
+    before = np.maximum(after - 1, 0)
+    one, other = K[row, before, 0], K[row, after, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.clip(one / (one - other), 0.0, 1.0)
+    at = lengths[row, before] + share * (lengths[row, after] - lengths[row, before])
+    return np.where(shut.any(axis=1), np.where(after == 0, 0.0, at), np.inf)
+
+
+def held(a: np.ndarray, G_inc: np.ndarray, closed: np.ndarray) -> np.ndarray:
+    """G_inc (k, n) at ascending lengths a (k, n) whose energy is constant from lengths ``closed`` (k,) on.
+
+    Examples
+    --------
+    >>> held(np.array([[0.0, 1.0, 2.0]]), np.array([[0.0, 1.0, 2.0]]), np.array([1.0]))
+    array([[0. , 1. , 0.5]])
+    """
+    result = G_inc.copy()
+    for i in np.flatnonzero(closed < a[:, -1]):
+        energy = closed[i] * np.interp(closed[i], a[i], G_inc[i])
+        later = a[i] > closed[i]
+        result[i, later] = energy / a[i, later]
+        if closed[i] == 0:
+            result[i] = 0.0
+    return result

@@ -98,6 +98,34 @@ def test_dislocations_close_as_in_full_fea(closing):
     assert ours == pytest.approx(W, rel=0.01)
 
 
+def test_trial_cracks_close_as_in_full_fea(closing):
+    """Beyond the length where mode I vanishes the energy stays; where that is, 24 lengths of full FEA leave open."""
+    full, _ = closing
+    tough = {"E": 2960.0, "nu": 0.35, "sigma_c": 70.5, "K_Ic": 9.5}
+    scene = compressed(0.025, material=tough, analysis={"points": [[50.0, 60.0]]})
+    ours = failure_indices(scene, "boundary", curves=True).isel(position=0)
+    assert ours.status == "ok"
+    a = ours.a.values
+    W = np.interp(full.a, a, a * ours.G_inc.values)
+    assert full.a[-1] < a[-1]
+    assert pytest.approx(full.a * full.G_inc, rel=5e-3) == W
+
+
+def test_a_corner_under_compression_opens_no_crack():
+    scene = gallery.square_hole(-0.1, analysis={"points": [[65.0, 65.0]]})
+    for method in ("boundary", "full-fea"):
+        result = failure_indices(scene, method).isel(position=0)
+        assert result.status == "ok" and result.failure_index == 0 == result.failure_index_error
+
+
+def test_a_tip_that_only_shears_opens_no_crack():
+    """An inclined crack under compression has mode II, and a negative mode I, whose faces would overlap."""
+    cracks = [{"points": [[15.0, 55.0], [25.0, 65.0]]}]
+    scene = gallery.edge_crack(10.0, cracks=cracks, load={"stress": -10.0})
+    for result in (failure_indices(scene, method) for method in ("boundary", "auto")):
+        assert (result.status == "ok").all() and (result.failure_index == 0).all()
+
+
 @pytest.mark.parametrize("method", ["slmm", "slmm+ac"])
 def test_crack_cells_close_too_unless_the_papers_way_is_asked_for(method):
     scene = compressed(0.015, analysis={"points": [[50.0, 60.0]], "voxels": 90_000})
