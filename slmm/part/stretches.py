@@ -164,7 +164,7 @@ def thinned(points: Array, closed: bool) -> Array:
     if closed:
         points, bend = np.vstack([points, points[:1]]), np.append(bend, bend[0])
     distance = np.clip(TURN_PER_POINT / np.maximum(bend, 1e-12), NEAREST, FARTHEST)
-    along: Array = STEP * np.arange(len(points))
+    along = STEP * np.arange(len(points), dtype=np.float64)
     number = np.concatenate([[0.0], np.cumsum(0.5 * STEP * (1 / distance[1:] + 1 / distance[:-1]))])
     count = max(int(np.ceil(number[-1])), 4)
     at = np.interp(np.linspace(0, number[-1], count + 1), number, along)
