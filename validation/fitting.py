@@ -19,11 +19,11 @@ from scipy.optimize import linprog
 
 from slmm import Scene
 from slmm.criteria.coupled_curves import Coupled
-from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import DEFAULT
 from slmm.initiation.task import Task
+from slmm.running.cell_file import shipped_database
 from slmm.running.progress import silent
 
 #: times that the deviations are related to the estimate of the time before

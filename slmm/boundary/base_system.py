@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from slmm.boundary.conditions import Known
@@ -9,8 +11,7 @@ from slmm.boundary.densities import Targets, parts
 from slmm.boundary.equations import Equations
 from slmm.boundary.panels import Panels
 from slmm.boundary.rules import Array, Complex
-from slmm.boundary.skeletonised import Skeletonised
-from slmm.boundary.solvers import Factorised, Iterative, Solver, WithRigid
+from slmm.boundary.solvers import Factorised, Solver, WithRigid
 from slmm.mechanics.rigid import free_motions
 from slmm.scene.load_checks import UNBALANCED
 
@@ -64,10 +65,7 @@ class BaseSystem:
         self._set_motions(
             free_motions(np.column_stack([panels.z.real, panels.z.imag]), known.held), known, weight
         )
-        by_clusters = Iterative if self.is_iterative else Skeletonised
-        self.solver: Solver = (by_clusters if panels.n > MOST_FACTORISED else Factorised)(
-            self.equations, self.motions(panels.z), self._felt_motions
-        )
+        self.solver: Solver = self._way()(self.equations, self.motions(panels.z), self._felt_motions)
         here, turns = Targets.on(panels), max(1, panels.n * len(self.equations.points) // MOST_WEIGHTS)
         places = np.array_split(np.arange(panels.n), turns)
         given = np.concatenate([self.equations.given_displacement(here.chosen(rows)) for rows in places])
@@ -75,6 +73,18 @@ class BaseSystem:
         if len(known.resultants):
             self._solver = WithRigid(self.solver, given[:, 1:], (known.motions * weight[:, None]).T)
         self.solution = self.solve(np.concatenate([-given[:, 0], known.resultants]))
+
+    def _way(self) -> Callable[[Equations, Array, Array], Solver]:
+        """What solves so many equations; what few of them need none of is loaded where it is needed."""
+        if self.panels.n <= MOST_FACTORISED:
+            return Factorised
+        if self.is_iterative:
+            from slmm.boundary.iterative import Iterative
+
+            return Iterative
+        from slmm.boundary.skeletonised import Skeletonised
+
+        return Skeletonised
 
     @property
     def is_iterative(self) -> bool:
@@ -94,12 +104,11 @@ class BaseSystem:
         """The equations at targets (t,) beside its points: by the unknowns (2 t, 2 n + m), and what is known (2 t,)."""
         rows, given = self.equations.displacement(at), self.equations.given_displacement(at)
         rows += self.motions(at.z) @ self._felt_motions
-        return np.column_stack([rows, given[:, 1:]]), given[:, 0]
+        return _beside(rows, given)
 
     def traction(self, z: Complex, e: Complex) -> tuple[Array, Array]:
         """Change of the resultant force along directions e (t,) at points z (t,), in the same way."""
-        rows, given = self.equations.traction(z, e)
-        return np.column_stack([rows, given[:, 1:]]), given[:, 0]
+        return _beside(*self.equations.traction(z, e))
 
     def _set_motions(self, free: Array, known: Known, weight: Array) -> None:
         """What the equations add to hold free motions (2 n, k), which forces that balance do not cause."""
@@ -121,6 +130,11 @@ class BaseSystem:
         """How much the displacements on other panels of m points are each of these motions, (k, 2 m)."""
         weight = np.repeat(np.abs(panels.dz), 2)
         return (self._held_by * self.motions(panels.z) * weight[:, None]).T
+
+
+def _beside(rows: Array, given: Array) -> tuple[Array, Array]:
+    """Rows (t, 2 n) with what motions (t, m) cause beside them, and what is known (t,), of what is given (t, 1 + m)."""
+    return rows if given.shape[1] == 1 else np.column_stack([rows, given[:, 1:]]), given[:, 0]
 
 
 def _rigid(z: Complex) -> Array:

@@ -19,7 +19,7 @@ from slmm.boundary.growing_factors import GrowingFactors
 from slmm.boundary.rules import Array
 
 #: room for so many rows at first; chosen
-ROOM = 1024
+ROOM = 256
 
 
 class Kind(StrEnum):
@@ -112,26 +112,28 @@ class Border:
         new = [member for member in wanted if member not in known]
         return sorted(new, key=lambda member: member.kind is Kind.TIP)
 
-    def extend(
-        self, members: Sequence[Member], columns: Array, rows: Array, right: Array, corner: Array, felt: Array
-    ) -> None:
-        """More members.
+    def room(self, k: int) -> tuple[Array, Array, Array]:
+        """Zeros to be filled before k rows are added: A^-1 B, transposed, and R (k, 2 n), and r - R A^-1 b (k,)."""
+        m = self._size
+        self._make_room(m + k)
+        found = self._columns[m : m + k], self._rows[m : m + k], self._right[m : m + k]
+        for array in found:
+            array[:] = 0.0
+        return found
+
+    def extend(self, members: Sequence[Member], corner: Array, felt: Array) -> None:
+        """More members, whose columns and rows are in the `room` for them.
 
         Parameters
         ----------
         members : sequence of Member
-        columns, rows : ndarray, shape (k, 2 n)
-            A^-1 B, transposed, and R.
-        right : ndarray, shape (k,)
-            r - R A^-1 b.
         corner : ndarray, shape (k, m + k)
             D of the new rows.
         felt : ndarray, shape (m, k)
             And of the new columns in the rows that are there.
         """
-        m, k = self._size, len(right)
-        self._make_room(m + k)
-        self._columns[m : m + k], self._rows[m : m + k], self._right[m : m + k] = columns, rows, right
+        m, k = self._size, len(corner)
+        columns, rows = self._columns[m : m + k], self._rows[m : m + k]
         self._size = m + k
         self._matrix[m : m + k, : m + k] = corner - rows @ self.columns.T
         # the narrow factor first: the product takes less time

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from slmm.boundary.body import Body
 
 Rows = NDArray[np.int64]
+#: weights of cracks that are computed at once, 128 kB of each kind, and of at least so many panels; both chosen: what
+#: comes and goes is little beside what stays
+AT_ONCE, FEW = 8_192, 2
 
 
 class Eliminated(NamedTuple):
@@ -55,10 +58,11 @@ def eliminated(body: Body, cracks: CrackPanels | None) -> Eliminated:
     along = [] if cracks is None else _members(cracks)
     new = border.keep([*divided, *panels, *along])
     if new:
-        old, n = len(border.right), len(base.solution)
+        old = len(border.right)
         places = _Places(border.members, new)
         m = places.size - old
-        B, rows, right = np.zeros((n, m), order="F"), np.zeros((m, n)), np.zeros(m)
+        columns, rows, right = border.room(m)
+        B = columns.T
         corner, felt = np.zeros((m, old + m)), np.zeros((old, m))
         added = set(new)
         for k, member in enumerate(divided):
@@ -80,13 +84,18 @@ def eliminated(body: Body, cracks: CrackPanels | None) -> Eliminated:
             if isinstance(one.panels, Panels):
                 B[: base.unknowns, own], rows[own], right[own] = _of_panels(body, one.panels)
             else:
-                B[: base.unknowns, own], rows[own], right[own] = _of_cracks(body, one.panels)
+                count = len(one.which)
+                turns = min(-(-len(one.panels.z) * base.panels.n // AT_ONCE), max(1, count // FEW))
+                for few in np.array_split(np.arange(count), turns):
+                    at = own.reshape(count, -1)[few].ravel()
+                    B[: base.unknowns, at], rows[at], right[at] = _of_cracks(body, one.panels.chosen(few))
             for by in (*fresh, *stays):
                 corner[np.ix_(own, by.rows)] = _direct(body, one, by)
             for target in stays:
                 felt[np.ix_(target.rows, own)] = _direct(body, target, one)
-        columns = base.solve(B).T
-        border.extend(new, columns, rows, right - rows @ base.solution, corner, felt)
+        columns[:] = base.solve(B).T
+        right -= rows @ base.solution
+        border.extend(new, corner, felt)
     places = _Places(border.members, [])
     return Eliminated(places.of(panels), places.of(along))
 

@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dtrtrs
 from slmm.boundary.rules import Array
 
 #: room for so many rows at first; chosen: columns a power of two apart have to share the cache
-ROOM = 1100
+ROOM = 300
 
 
 class GrowingFactors:

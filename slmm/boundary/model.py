@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from slmm.boundary.body import Body, check_in_one_piece
 from slmm.boundary.crack_panels import CrackPanels, at_tip, crack_panels, slope_at_tip
@@ -24,6 +23,7 @@ from slmm.boundary.rules import Array, Complex, values_at
 from slmm.boundary.stretches import FINE, Grading
 from slmm.boundary.surface import Feet, feet, hoop_stress, surface_stress
 from slmm.mechanics.material import Material
+from slmm.mechanics.nearest import Nearest
 from slmm.part.part import Part
 from slmm.scene.loading import Condition, Loading
 
@@ -209,11 +209,11 @@ class BoundaryModel:
 
     def panel_length(self, points: Array) -> Array:
         """Length (k,) of the panels next to points (k, 2), mm."""
-        tree = cKDTree(np.column_stack([self.panels.z.real, self.panels.z.imag]))
+        nodes = Nearest(np.column_stack([self.panels.z.real, self.panels.z.imag]))
         length = np.abs(np.diff(self.panels.ends, axis=1))[:, 0]
         # a whole smooth hole may be one panel's ends apart; its points are not
         length = np.maximum(length, np.abs(self.panels.dz).reshape(len(length), -1).sum(axis=1))
-        return length[tree.query(points)[1] // self.panels.p]
+        return length[nodes.numbers(points, 1)[:, 0] // self.panels.p]
 
     def reaction(self, condition: Condition) -> Array:
         """Force (2,) on the part along a stretch, N for each mm of thickness."""

@@ -146,7 +146,9 @@ def panels_on(intervals: Sequence[Interval], p: int) -> Panels:
         curved = np.column_stack([stretch.s[0] - a * stretch.length, stretch.s[0] - b * stretch.length])
         span.append(np.full((len(a), 2), np.nan) if stretch.outline is None else curved)
     all_z = np.concatenate(z)
-    ends_of, fine_of = np.concatenate(ends), np.concatenate(fine).reshape(-1, 2 * p)
+    # of one layout whatever they are made of: kernels are compiled, and loaded, for each
+    ends_of = np.ascontiguousarray(np.concatenate(ends))
+    fine_of = np.concatenate(fine).reshape(-1, 2 * p)
     return Panels(
         p,
         tuple(intervals),

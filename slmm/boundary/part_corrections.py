@@ -209,7 +209,7 @@ def _answers(model: BoundaryModel, F: Complex, g: Complex) -> tuple[Complex, Com
         by_g, by_q = displacement_of_boundary(panels, body.kappa, Targets(*(v[rows] for v in at)))
         W = by_q.real() @ _parts(F)
         if len(on):
-            of_held = Linear(by_g.one[:, on], by_g.other[:, on]).real()
+            of_held = Linear(*(np.take(of, on, axis=1) for of in by_g)).real()
             W -= of_held @ _parts(fixed[on])
             W += (body.kappa + 1) * _parts(fixed[rows])
         right[np.ravel(2 * rows[:, None] + np.arange(2))] = W

@@ -22,8 +22,7 @@ def info(
 ) -> None:
     """What a crack-cell database holds, after its checksum has been verified."""
     with refusals():
-        from slmm.initiation.meta_model import shipped_database
-        from slmm.running.cell_file import read_cells
+        from slmm.running.cell_file import read_cells, shipped_database
 
         path = shipped_database() if file is None else file
         _print_database(path, read_cells(path))

@@ -28,8 +28,9 @@ PICTURE_FORMATS = (".png", ".pdf", ".svg")
 #: rich would draw a frame in its place, and tables would not fit any more
 ASCII_HEAD = Box("    \n    \n -- \n" + 5 * "    \n", ascii=True)
 FILE_WIDTH = 100  # columns where there is no terminal
-#: objects after which Python looks for cycles; imports make a million, and all of them stay (chosen)
-SELDOM = 50_000
+#: objects after which Python looks for cycles; imports and kernels make half a million, and all of them stay (chosen:
+#: the answer of a circle needs no search)
+SELDOM = 300_000
 LONGEST_NAME = 255  # bytes; what all common file systems take
 
 

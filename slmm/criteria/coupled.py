@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator
 
 from slmm.mechanics.material import Material
 
@@ -141,6 +140,8 @@ def coupled_criterion(
             )
     if a[0] < 0 or np.any(np.diff(a) <= 0):
         raise ValueError("a must ascend from 0 or above without repeating a length")
+    from scipy.interpolate import PchipInterpolator  # our own curves need none, and it takes long to load
+
     crack = a > 0
     fine = np.linspace(0.0, 1.0, SAMPLES) ** 2 * a[-1]
     # G_inc rises linearly from zero at a smooth notch: G_inc/a is what interpolates well

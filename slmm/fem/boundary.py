@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
 from slmm.fem.element_size import ElementSize
+from slmm.mechanics.nearest import Nearest
 from slmm.part.chords import chords
 from slmm.part.outline import Outline
 
@@ -119,10 +119,18 @@ class _Labels:
         self.tolerance = tolerance
 
     @cached_property
-    def _chords(self) -> tuple[np.ndarray, cKDTree]:
+    def _chords(self) -> tuple[np.ndarray, Nearest]:
         """To which outline chords belong, and their middles."""
         middle = [(polygon + np.roll(polygon, -1, axis=0)) / 2 for polygon in self.polygons]
-        return np.repeat(np.arange(len(middle)), [len(m) for m in middle]), cKDTree(np.concatenate(middle))
+        return np.repeat(np.arange(len(middle)), [len(m) for m in middle]), Nearest(np.concatenate(middle))
+
+    def _in_reach(self, points: np.ndarray) -> np.ndarray:
+        """Which points (n, 2) lie in the box around any of the polygons."""
+        inside = np.zeros(len(points), dtype=bool)
+        for polygon in self.polygons:
+            low, high = polygon.min(axis=0) - self.tolerance, polygon.max(axis=0) + self.tolerance
+            inside |= ((points >= low) & (points <= high)).all(axis=1)
+        return inside
 
     def of_ring(self, points: np.ndarray) -> np.ndarray:
         """The outline of each chord (n,) of a ring that begins at points (n, 2)."""
@@ -136,14 +144,15 @@ class _Labels:
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         label = np.full(len(points), -1)
-        if not self.polygons:
+        rest = np.flatnonzero(self._in_reach(points))
+        if not len(rest):
             return label
         # the middle of a whole chord is known; only chords that the outer edge cuts have to be searched
-        owner, tree = self._chords
-        distance, nearest = tree.query(points)
-        whole = distance < self.tolerance
-        label[whole] = owner[nearest[whole]]
-        rest = np.flatnonzero(~whole)
+        owner, middles = self._chords
+        nearest = middles.numbers(points[rest], 1)[:, 0]
+        whole = np.linalg.norm(middles.points[nearest] - points[rest], axis=1) < self.tolerance
+        label[rest[whole]] = owner[nearest[whole]]
+        rest = rest[~whole]
         for k, polygon in enumerate(self.polygons):
             near = (
                 shapely.distance(shapely.points(points[rest]), shapely.LinearRing(polygon)) < self.tolerance

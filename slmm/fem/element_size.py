@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numba import njit
 
+from slmm.mechanics.nearest import Nearest
 from slmm.part.crack import Crack
 from slmm.part.outline import AT_CORNER, Outline
 from slmm.part.part import Part
@@ -200,22 +201,10 @@ def resolve_gaps(size: ElementSize, body: shapely.Polygon) -> None:
     for k, own in enumerate(points):
         others = np.concatenate([p for j, p in enumerate(points) if j != k])
         # the distance to their points bounds the one to the curves: exact only where it may matter
-        coarse = _nearest(own, others)
+        coarse = np.linalg.norm(others[Nearest(others).numbers(own, 1)[:, 0]] - own, axis=1)
         near = coarse < 2 * ACROSS_GAP * size.largest + 2 * max(ring.length for ring in rings) / 256
         lines = shapely.MultiLineString([ring for j, ring in enumerate(rings) if j != k])
         size.prescribe(own[near], shapely.distance(shapely.points(own[near]), lines) / ACROSS_GAP)
-
-
-@njit(cache=True)
-def _nearest(points, others):
-    result = np.empty(len(points))
-    for i in range(len(points)):
-        best = np.inf
-        for k in range(len(others)):
-            dx, dy = points[i, 0] - others[k, 0], points[i, 1] - others[k, 1]
-            best = min(best, dx * dx + dy * dy)
-        result[i] = np.sqrt(best)
-    return result
 
 
 def along_path(path: np.ndarray) -> np.ndarray:

@@ -146,7 +146,7 @@ class CellCriterion:
             raise ValueError(
                 "initiation = 'slmm+ac': crack cells know plates under [load] alone; take 'coupled' or 'point'"
             )
-        from slmm.initiation.local_model import rasterised  # the database and its readers come with it
+        from slmm.initiation.raster import rasterised  # cells alone need it
 
         self.scene, self.raster = scene.with_(cracks=[]), rasterised(scene)
         self.holes, self.coupled = scene.part.holes, CoupledCriterion(scene)
@@ -167,11 +167,11 @@ class CellCriterion:
         from slmm.criteria.coupled_curves import Coupled
         from slmm.initiation.boundary_field import LowerOrder
         from slmm.initiation.by_cells import cells_on
-        from slmm.initiation.meta_model import shipped_database
         from slmm.initiation.paths import trial_paths
         from slmm.initiation.positions import positions_on
         from slmm.initiation.settings import DEFAULT
         from slmm.initiation.task import Answer, Task
+        from slmm.running.cell_file import shipped_database
         from slmm.running.progress import silent
 
         scene, outlines = self.scene, self.scene.outlines

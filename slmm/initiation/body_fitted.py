@@ -11,7 +11,7 @@ from slmm.fem.element_size import SizePolicy
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
 from slmm.fem.supports import at_supports, at_unsmooth_stress
-from slmm.initiation.local_model import rasterised
+from slmm.initiation.raster import rasterised
 from slmm.initiation.uncracked import Raster
 from slmm.mechanics.richardson import extrapolated
 from slmm.mechanics.stress import principal_stress

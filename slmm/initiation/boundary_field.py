@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from slmm.boundary.body import Body
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.panelling import Panelling
 from slmm.boundary.stretches import FINE, boundary_of
-from slmm.initiation.local_model import rasterised
+from slmm.initiation.raster import rasterised
 from slmm.initiation.uncracked import Raster
 
 #: Gauss points on a panel, and on those of the model that the error is told from (chosen)
@@ -29,14 +30,19 @@ class BoundaryField:
 
     Attributes
     ----------
+    scene : Scene
+        With ``plate``, ``part``, ``outlines``, ``material`` and ``loading``.
     model, lower : BoundaryModel
-    raster : Raster
-        Where the material is.
     """
 
+    scene: Any
     model: BoundaryModel
     lower: BoundaryModel
-    raster: Raster
+
+    @cached_property
+    def raster(self) -> Raster:
+        """Where the material is."""
+        return rasterised(self.scene)
 
     @property
     def described(self) -> dict[str, object]:
@@ -62,7 +68,7 @@ class BoundaryField:
             body = Body(old.part, old.material, old.loading, old.p, old.grading, ahead.tolist())
             return BoundaryModel(old.part, old.material, old.loading, old.p, model.crack_p, body)
 
-        return BoundaryField(finer(self.model), finer(self.lower), self.raster)
+        return BoundaryField(self.scene, finer(self.model), finer(self.lower))
 
     def displacement(self, points: np.ndarray) -> np.ndarray:
         """Displacements (k, 2) at points (k, 2), mm."""
@@ -125,4 +131,4 @@ def solve_boundary(scene: Any) -> BoundaryField:
         When cracks sever the part, or its outlines need more points than a dense matrix holds.
     """
     model, lower = (BoundaryModel(scene.part, scene.material, scene.loading, p) for p in (ORDER, LOWER_ORDER))
-    return BoundaryField(model, lower, rasterised(scene))
+    return BoundaryField(scene, model, lower)

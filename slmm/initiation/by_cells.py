@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,14 +12,17 @@ from slmm.criteria.coupled import STRESS
 from slmm.criteria.status import Status
 from slmm.fem.triangulation import MesherError
 from slmm.initiation.cells import Placed, cell_curves, cell_stress, place_cells, select_modes
-from slmm.initiation.local_model import SMALLEST_SIDE, LocalModel, solve_local_model
+from slmm.initiation.local_model import STIFFER_VOID, LocalModel, solve_local_model
 from slmm.initiation.meta_model import load_meta_model
-from slmm.initiation.part_voxels import STIFFER_VOID, PartField, solve_part
 from slmm.initiation.placement import STOPPED
+from slmm.initiation.raster import SMALLEST_SIDE
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.uncracked import UncrackedField, WithStress
 from slmm.mechanics.stress import principal
 from slmm.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from slmm.initiation.part_voxels import PartField
 
 #: voxels = "auto": voxels over the smallest radius of curvature, and the limits of their total number; chosen
 VOXELS_PER_RADIUS = 20
@@ -99,6 +103,8 @@ def voxel_model(task: Task) -> LocalModel | PartField:
     scene = task.scene
     void = task.settings.void_stiffness or scene.analysis.void_stiffness
     if scene.load is None:
+        from slmm.initiation.part_voxels import solve_part  # plates under [load] need none of it
+
         return solve_part(scene, voxels, void)
     scene = scene.with_(analysis={"void_stiffness": void})
     local = solve_local_model(scene, voxels)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline, interp1d
 
 from slmm.criteria.path_curves import CURVE_POINTS, PathCurves
 from slmm.initiation import control
@@ -16,6 +15,7 @@ from slmm.initiation.placement import CELL_HEIGHT, Constraints, boundary_points,
 from slmm.initiation.settings import IMPORTANT_MODES, Settings
 from slmm.initiation.support import edge_support, supported
 from slmm.initiation.uncracked import UncrackedField
+from slmm.mechanics.cubics import through
 from slmm.mechanics.stress import principal
 from slmm.part.outline import Outline
 from slmm.scene.scene import Scene
@@ -253,10 +253,10 @@ def _superpose(meta, E, placed, settings, auto_control, rho, reference):
         at_stored = np.stack([_at_length(meta, G, a) for a in stored], axis=1)
         G_dense = np.array([np.interp(a_image, stored, row) for row in at_stored])
     else:
-        G_dense = CubicSpline(meta.lengths, G / meta.lengths, axis=1)(a_image) * a_image
+        G_dense = _per_length(meta, G, a_image) * a_image
     G_dense = np.maximum(G_dense, 0.0)
     if settings.contact:
-        openings = CubicSpline(meta.lengths, tip_opening(opening) / meta.lengths, axis=1)(a_image)
+        openings = _per_length(meta, tip_opening(opening), a_image)
         with np.errstate(invalid="ignore"):
             G_dense = np.nan_to_num(until_closed(G_dense * a_image, openings) / a_image)
 
@@ -267,8 +267,7 @@ def _superpose(meta, E, placed, settings, auto_control, rho, reference):
         of_cell, of_model = _changes(meta, placed, a_image, _principal)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.nan_to_num(release[1] / held, posinf=np.inf)
-        ends = ratio[:, 0], ratio[:, -1]
-        bracket = interp1d(meta.lengths, ratio, bounds_error=False, fill_value=ends)(a_image)
+        bracket = np.array([np.interp(a_image, meta.lengths, row) for row in ratio]).reshape(G_dense.shape)
         fade = faded(reference, sigma * E)
         normal, tangential, _ = (large.stress @ polynomial_matrix(meta.eta, a_image).T).swapaxes(0, 1)
         fade[(normal + tangential) * E < -COMPRESSED * reference] = 0.0
@@ -303,7 +302,12 @@ def _largest(sigma):
 
 def _at_length(meta, values, a):
     """Smooth interpolation of G (n, n_a) to one crack length, through G/a."""
-    return CubicSpline(meta.lengths, values / meta.lengths, axis=1)(a) * a
+    return _per_length(meta, values, a) * a
+
+
+def _per_length(meta, values, a):
+    """What is proportional to small lengths a, values (n, n_a), over these: at one length (n,) or at several (n, k)."""
+    return np.ascontiguousarray(through(meta.lengths, (values / meta.lengths).T)(a).T)
 
 
 def _bounds(meta, cell, settings, auto_control, which=slice(None)):

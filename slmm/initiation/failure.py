@@ -14,7 +14,6 @@ from slmm.criteria.criterion import CRITERIA, Criterion
 from slmm.criteria.status import Status
 from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.labelled_answer import labelled
-from slmm.initiation.meta_model import shipped_database
 from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
 from slmm.initiation.paths import trial_paths
 from slmm.initiation.peaks import LEAST_RISE, find_peaks, positions_at, tops
@@ -22,6 +21,7 @@ from slmm.initiation.positions import FEW, Positions, find_positions, positions_
 from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.uncracked import UncrackedField
+from slmm.running.cell_file import shipped_database
 from slmm.running.labelled import LabelledArrays
 from slmm.running.progress import Progress, silent
 from slmm.scene.plausible import UnusualValueWarning, unusual_values

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from slmm.initiation.local_model import rasterised
 from slmm.initiation.positions import Positions
+from slmm.initiation.raster import rasterised
 from slmm.initiation.uncracked import Raster, UncrackedField
 from slmm.results.field import DisplacementField
 from slmm.results.plane_elements import PLANE_ELEMENTS

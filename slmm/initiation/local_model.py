@@ -5,25 +5,24 @@ Paper A, section 2.2.2. Each voxel is as stiff as the material's share of its ar
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import shapely
 from numba import njit
 from numpy.typing import NDArray
 
+from slmm.initiation.raster import Polygonal, fine_polygon, grid_size
 from slmm.initiation.uncracked import Raster
 from slmm.mechanics.material import Material
 from slmm.part.coverage import area_fraction
 from slmm.part.edges import material_on_edges, share_of_pieces
-from slmm.part.part import Part
 from slmm.scene.loading import Loading
 from slmm.voxels.model import solve_voxels
 
-SMALLEST_SIDE = 16  # voxels along each side of the plate, at least; chosen
-POINTS_PER_VOXEL = 8  # of an outline: its polygon is then off the curve by far less than a voxel; chosen
+#: stiffness of the coarser grid's void over that of the finer one's, so that the estimates show what it does (chosen)
+STIFFER_VOID = 3.0
 
 
 class _Plate(Protocol):
@@ -31,10 +30,6 @@ class _Plate(Protocol):
     def width(self) -> float: ...
     @property
     def height(self) -> float: ...
-
-
-class _Outline(Protocol):
-    def polygon(self, n: int) -> NDArray[np.float64]: ...
 
 
 class _Analysis(Protocol):
@@ -46,7 +41,7 @@ class _Scene(Protocol):
     @property
     def plate(self) -> _Plate | None: ...
     @property
-    def outlines(self) -> tuple[_Outline, ...]: ...
+    def outlines(self) -> tuple[Polygonal, ...]: ...
     @property
     def material(self) -> Material: ...
     @property
@@ -111,33 +106,6 @@ class LocalModel:
         }
 
 
-#: pieces of a plate that tell material from notches where the local model has no voxels; chosen
-RASTER_PIECES = 400**2
-
-
-def rasterised(scene: Any) -> Raster:
-    """The material's share of pieces of a scene's plate."""
-    if scene.plate is None:
-        return _rasterised(scene.part)
-    width, height = scene.plate.width, scene.plate.height
-    nx, ny = grid_size(width, height, RASTER_PIECES)
-    hx, hy = width / nx, height / ny
-    polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
-    return Raster(1 - area_fraction(polygons, width, height, nx, ny), hx, hy)
-
-
-def _rasterised(part: Part) -> Raster:
-    """The material's share of pieces of the box around a part."""
-    (left, bottom), (right, top) = part.box.tolist()
-    width, height = right - left, top - bottom
-    nx, ny = grid_size(width, height, RASTER_PIECES)
-    rings = [shapely.get_coordinates(ring) - (left, bottom) for ring in shapely.get_rings(part.body)]
-    density = area_fraction(rings[:1], width, height, nx, ny)
-    if len(rings) > 1:
-        density -= area_fraction(rings[1:], width, height, nx, ny)
-    return Raster(np.clip(density, 0.0, 1.0), width / nx, height / ny, (left, bottom))
-
-
 def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalModel:
     """Solve a scene on a grid of about ``voxels`` nearly square voxels.
 
@@ -169,7 +137,7 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
     width, height = scene.plate.width, scene.plate.height
     nx, ny = grid_size(width, height, voxels)
     hx, hy = width / nx, height / ny
-    polygons = [_fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
+    polygons = [fine_polygon(outline, min(hx, hy)) for outline in scene.outlines]
     density = 1 - area_fraction(polygons, width, height, nx, ny)
     E, nu = scene.material.plane_stress_equivalent
     loaded = None
@@ -180,27 +148,6 @@ def solve_local_model(scene: _Scene, voxels: int, tol: float = 1e-8) -> LocalMod
         void + (1 - void) * density, width, height, nu, scene.loading, E=E, tol=tol, loaded=loaded
     )
     return LocalModel(solution.u, hx, hy, nx, ny, density, solution.iterations, solution.residual)
-
-
-def grid_size(width: float, height: float, voxels: int) -> tuple[int, int]:
-    """Number of nearly square voxels along x and y that together are about ``voxels``.
-
-    Examples
-    --------
-    >>> grid_size(100.0, 50.0, 20_000)
-    (200, 100)
-    """
-    if voxels < SMALLEST_SIDE**2:
-        raise ValueError(f"voxels = {voxels!r}: at least {SMALLEST_SIDE**2} are needed")
-    side = math.sqrt(width * height / voxels)
-    return max(SMALLEST_SIDE, round(width / side)), max(SMALLEST_SIDE, round(height / side))
-
-
-def _fine_polygon(outline: _Outline, h: float) -> NDArray[np.float64]:
-    points = outline.polygon(256)
-    length = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum()
-    n = int(POINTS_PER_VOXEL * length / h)
-    return points if n <= len(points) else outline.polygon(n)
 
 
 @njit(cache=True, inline="always", error_model="numpy")

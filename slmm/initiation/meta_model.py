@@ -18,23 +18,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.polynomial.chebyshev import chebvander
-from scipy.interpolate import CubicSpline
 
 from slmm.initiation.placement import CELL_LENGTH
-from slmm.running.cell_file import read_cells
+from slmm.mechanics.cubics import Cubics, through
+from slmm.running.cell_file import read_cells, shipped_database
 from slmm.running.labelled import LabelledArrays
-from slmm.running.model_file import DatabaseError, shipped
+from slmm.running.model_file import DatabaseError
 
 if TYPE_CHECKING:
     import xarray as xr
 
 #: eigenvalues of K below this fraction of the largest belong to rigid motions and repeated modes; round-off
 RIGID = 1e-7
-
-
-def shipped_database() -> Path:
-    """The database of crack cells that comes with the package."""
-    return shipped("cells.nc")
 
 
 class PoissonNotHeldError(DatabaseError):
@@ -98,28 +93,28 @@ class MetaModel:
         )
 
     @cached_property
-    def _stress_spline(self) -> CubicSpline:
-        return CubicSpline(self.curvature, self.stress)
+    def _stress_spline(self) -> Cubics:
+        return through(self.curvature, self.stress)
 
     @cached_property
-    def _K0_spline(self) -> CubicSpline:
-        return CubicSpline(self.curvature, self.K0)
+    def _K0_spline(self) -> Cubics:
+        return through(self.curvature, self.K0)
 
     @cached_property
-    def _compliance_splines(self) -> list[CubicSpline]:
+    def _compliance_splines(self) -> list[Cubics]:
         # at c' = 0 the unbounded body changes from a hole to a bulge, with a kink
         concave, convex = self.curvature <= 0, self.curvature >= 0
         if min(concave.sum(), convex.sum()) < 2:
-            return [CubicSpline(self.curvature, self.compliance)] * 2
-        return [CubicSpline(self.curvature[side], self.compliance[side]) for side in (concave, convex)]
+            return [through(self.curvature, self.compliance)] * 2
+        return [through(self.curvature[side], self.compliance[side]) for side in (concave, convex)]
 
     def _compliance(self, curvature: np.ndarray) -> np.ndarray:
         concave, convex = (spline(curvature) for spline in self._compliance_splines)
         return np.where((curvature <= 0)[:, None, None, None, None], concave, convex)
 
     @cached_property
-    def _Psi_spline(self) -> CubicSpline:
-        return CubicSpline(self.curvature, self.Psi)
+    def _Psi_spline(self) -> Cubics:
+        return through(self.curvature, self.Psi)
 
     @property
     def symmetric(self) -> np.ndarray:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slmm.initiation.local_model import SMALLEST_SIDE, displacements_on, grid_size
+from slmm.initiation.local_model import STIFFER_VOID, displacements_on
+from slmm.initiation.raster import SMALLEST_SIDE, grid_size
 from slmm.initiation.uncracked import Raster
 from slmm.voxels.grid import VoxelGrid
 from slmm.voxels.part_load import part_load
@@ -21,8 +22,6 @@ Array = NDArray[np.float64]
 #: always evenly; with cracks, which act longer or shorter by half a voxel, more slowly (chosen on
 #: validation/part_models.py)
 COVERED, COVERED_CRACKED = 2.0, 4.0
-#: stiffness of the coarser grid's void over that of the finer one's, so that the estimates show what it does (chosen)
-STIFFER_VOID = 3.0
 
 
 @dataclass(frozen=True)

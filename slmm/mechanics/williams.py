@@ -16,8 +16,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import gamma as gamma_function
 
 from slmm.mechanics.stress import kolosov
 
@@ -98,6 +96,8 @@ def arch_roots(m: int, c: float) -> list[complex]:
 
     top = math.acos(c)
     if above(top) >= 0:
+        from scipy.optimize import brentq  # smooth surfaces need none, and it takes long to load
+
         first = brentq(above, 0.0, top, xtol=1e-15, rtol=1e-15) if m > 0 and c > 0 else 0.0
         last = brentq(above, top, math.pi, xtol=1e-15, rtol=1e-15) if c > 0 else math.pi
         return [complex(first + start), complex(last + start)]
@@ -320,5 +320,5 @@ def release_coefficient(opening: float, symmetric: bool = True) -> float:
         / (2 * (np.sinh(gamma * t) ** 2 - (t * math.sin(gamma)) ** 2))
     )
     factor = math.exp(0.25 * float(w @ np.log(H)))
-    K = math.sqrt(2.0) * gamma_function(lam) / gamma_function(lam + 0.5) * factor
+    K = math.sqrt(2.0) * math.gamma(lam) / math.gamma(lam + 0.5) * factor
     return float(K**2 / (2 * lam))

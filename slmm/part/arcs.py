@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
+from slmm.mechanics.cubics import through
 from slmm.part.vertices import Vertex
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def _shortened(piece: Array, cut: float) -> tuple[Array, Array, Array]:
         start = piece[0] + cut * tangent
         return np.array([start, piece[1]]), start, tangent
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(piece, axis=0).T))])
-    spline = CubicSpline(along, piece)
+    spline = through(along, piece)
     rest = piece[along > cut + 0.5 * (along[1] - along[0])]
     tangent = spline(cut, 1)
     return np.vstack([spline(cut), rest]), spline(cut), tangent / np.hypot(*tangent)

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
+from slmm.mechanics.cubics import Cubics, closed_through
 from slmm.part.outline import Outline, read_only
 from slmm.part.outline_splines import (
     MIN_PIECES,
     TURN_PER_PIECE,
     arc_lengths,
     chord_lengths,
-    periodic_spline,
 )
 
 Array = NDArray[np.float64]
@@ -32,19 +31,19 @@ def graded_outline(points: ArrayLike) -> Outline:
     (-0.002, -0.002)
     """
     given = np.asarray(points, dtype=float)
-    curve = periodic_spline(chord_lengths(given), given)
+    curve = closed_through(chord_lengths(given), given)
     dense: Array = curve(_parameters(curve))
     parameter = chord_lengths(dense)
     for _ in range(3):  # from the chord lengths to the arc lengths
-        curve = periodic_spline(parameter, dense)
+        curve = closed_through(parameter, dense)
         parameter = np.concatenate([[0.0], np.cumsum(arc_lengths(curve))])
-    return Outline(read_only(curve.x), read_only(curve.c))
+    return Outline(read_only(curve.breaks), read_only(curve.coefficients))
 
 
-def _parameters(curve: CubicSpline) -> Array:
+def _parameters(curve: Cubics) -> Array:
     """Parameters (m,) of a closed curve between which it turns little, and that are nowhere far from each other."""
-    piece = np.diff(curve.x)
-    at = (curve.x[:-1, None] + piece[:, None] * np.arange(WITHIN) / WITHIN).ravel()
+    piece = np.diff(curve.breaks)
+    at = (curve.breaks[:-1, None] + piece[:, None] * np.arange(WITHIN) / WITHIN).ravel()
     step = np.repeat(piece / WITHIN, WITHIN)
     slope, bend = curve(at, 1), curve(at, 2)
     speed = np.linalg.norm(slope, axis=1)
@@ -52,4 +51,4 @@ def _parameters(curve: CubicSpline) -> Array:
     needed = np.maximum(turning / TURN_PER_PIECE, MIN_PIECES * speed / (speed @ step)) * step
     so_far = np.concatenate([[0.0], np.cumsum(needed)])
     count = int(np.ceil(so_far[-1]))
-    return np.interp(so_far[-1] * np.arange(count) / count, so_far, np.append(at, curve.x[-1]))
+    return np.interp(so_far[-1] * np.arange(count) / count, so_far, np.append(at, curve.breaks[-1]))

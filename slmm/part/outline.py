@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PPoly
-from scipy.spatial import cKDTree
 
+from slmm.mechanics.cubics import Cubics, closed_through
+from slmm.mechanics.nearest import Nearest
 from slmm.part.accuracy import Accuracy
 from slmm.part.outline_splines import (
     backwards,
@@ -20,7 +20,6 @@ from slmm.part.outline_splines import (
     equidistant,
     number_of_pieces,
     open_spline,
-    periodic_spline,
     smoothed,
     turned,
     turns_at,
@@ -54,7 +53,7 @@ class Outline:
         Arc lengths of the break points, mm, from 0 to the length of the outline; evenly spaced on an outline
         `through` points, and near each other where one of `graded_outline` bends.
     coefficients : (4, m, 2) array
-        Coefficients of x and y between the breaks, highest power first, as in `scipy.interpolate.PPoly`.
+        Coefficients of x and y between the breaks, highest power first, as in `slmm.mechanics.cubics`.
     corners : (k,) array
         Arc lengths of the corners, mm, ascending; each is one of the breaks. Empty on a smooth outline.
     accuracy : Accuracy, optional
@@ -108,7 +107,7 @@ class Outline:
         if enclosed_area(points) < 0:
             points = np.roll(points[::-1], 1, axis=0)  # the first point stays the first
 
-        spline = periodic_spline(chord_lengths(points), points)
+        spline = closed_through(chord_lengths(points), points)
         if smoothing > 0 or wavelength > 0:
             spline = smoothed(spline, 2 * len(points), smoothing, wavelength)
 
@@ -117,8 +116,8 @@ class Outline:
         # next ones to the arc length of the spline through the equidistant points itself.
         for _ in range(3):
             s, samples = equidistant(spline, pieces)
-            spline = periodic_spline(s, samples)
-        return cls(read_only(spline.x), read_only(spline.c))
+            spline = closed_through(s, samples)
+        return cls(read_only(spline.breaks), read_only(spline.coefficients))
 
     @classmethod
     def of_pieces(cls, pieces: Sequence[ArrayLike]) -> Outline:
@@ -143,12 +142,15 @@ class Outline:
         if enclosed_area(np.vstack([piece[:-1] for piece in joined])) < 0:
             joined = [piece[::-1] for piece in reversed(joined)]
         splines = [open_spline(piece) for piece in joined]
-        starts = np.concatenate([[0.0], np.cumsum([spline.x[-1] for spline in splines])])
+        starts = np.concatenate([[0.0], np.cumsum([spline.breaks[-1] for spline in splines])])
         breaks = np.concatenate(
-            [*(start + spline.x[:-1] for start, spline in zip(starts, splines, strict=False)), starts[-1:]]
+            [
+                *(start + spline.breaks[:-1] for start, spline in zip(starts, splines, strict=False)),
+                starts[-1:],
+            ]
         )
-        coefficients = np.concatenate([spline.c for spline in splines], axis=1)
-        first = np.concatenate([[0], np.cumsum([len(spline.x) - 1 for spline in splines])[:-1]])
+        coefficients = np.concatenate([spline.coefficients for spline in splines], axis=1)
+        first = np.concatenate([[0], np.cumsum([len(spline.breaks) - 1 for spline in splines])[:-1]])
         turns = turns_at(breaks, coefficients, first)[1]
         if (np.abs(turns) > np.pi - SMALLEST_TURN).any():
             x, y = coefficients[3, first[int(np.abs(turns).argmax())]]
@@ -175,17 +177,8 @@ class Outline:
         corners = np.sort((self.length - self.corners) % self.length)
         return Outline(read_only(breaks), read_only(coefficients), read_only(corners), self.accuracy)
 
-    @cached_property
-    def _curve(self) -> PPoly:
-        return PPoly(self.coefficients, self.breaks, extrapolate="periodic")
-
-    @cached_property
-    def _velocity(self) -> PPoly:
-        return self._curve.derivative()
-
-    @cached_property
-    def _acceleration(self) -> PPoly:
-        return self._curve.derivative(2)
+    def _derivatives(self, s: ArrayLike, *orders: int) -> list[Array]:
+        return Cubics(self.breaks, self.coefficients).derivatives(np.mod(s, self.length), *orders)
 
     @cached_property
     def _is_even(self) -> bool:
@@ -197,12 +190,12 @@ class Outline:
         return turns_at(self.breaks, self.coefficients, np.searchsorted(self.breaks, self.corners))
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array, Array, cKDTree]:
-        """Arc lengths, how far down and up from each a nearest point is sought, and the tree of their points."""
+    def _samples(self) -> tuple[Array, Array, Array]:
+        """Arc lengths, and how far down and up from each a nearest point is sought."""
         s = self.arc_lengths(max(2000, 2 * (len(self.breaks) - 1)))
         if self._is_even:
             step = self.length / len(s)
-            return s, s - step, s + step, cKDTree(self.points(s))
+            return s, s - step, s + step
         below = np.roll(s, 1)
         below[0] -= self.length
         above = np.roll(s, -1)
@@ -218,7 +211,11 @@ class Outline:
             np.concatenate([np.where(is_corner, s, below), s[before_corner]]),
             np.concatenate([above, ending]),
         )
-        return s, below, above, cKDTree(self.points(s))
+        return s, below, above
+
+    @cached_property
+    def _sampled(self) -> Nearest:
+        return Nearest(self.points(self._samples[0]))
 
     @property
     def length(self) -> float:
@@ -228,7 +225,7 @@ class Outline:
     @cached_property
     def box(self) -> Array:
         """Lower left and upper right corner (2, 2) of a rectangle around it, mm: of its points, and a little more."""
-        points = self._samples[-1].data
+        points = self._sampled.points
         gap = 0.5 * self.length / len(points)
         return np.array([points.min(axis=0) - gap, points.max(axis=0) + gap])
 
@@ -242,11 +239,11 @@ class Outline:
 
     def points(self, s: ArrayLike) -> Array:
         """Points (..., 2) at the arc lengths s (mm, taken modulo the length)."""
-        return self._curve(s)
+        return self._derivatives(s, 0)[0]
 
     def tangents(self, s: ArrayLike) -> Array:
         """Unit tangents (..., 2), counter-clockwise round the hole; half way between the two of a corner."""
-        t = self._velocity(s)
+        (t,) = self._derivatives(s, 1)
         t = t / np.linalg.norm(t, axis=-1, keepdims=True)
         corner = self.corner_at(s)
         if (at := corner >= 0).any():
@@ -264,7 +261,7 @@ class Outline:
 
         Where pieces meet it is that of the piece which begins there.
         """
-        t, k = self._velocity(s), self._acceleration(s)
+        t, k = self._derivatives(s, 1, 2)
         return (t[..., 1] * k[..., 0] - t[..., 0] * k[..., 1]) / np.linalg.norm(t, axis=-1) ** 3
 
     def corner_at(self, s: ArrayLike, within: float | None = None) -> NDArray[np.int64]:
@@ -291,14 +288,14 @@ class Outline:
     def project(self, points: ArrayLike) -> Array:
         """Arc lengths s (n,) of the points of the outline that lie nearest to the given points (n, 2)."""
         points = np.asarray(points, dtype=float)
-        s, below, above, tree = self._samples
+        s, below, above = self._samples
         # without corners the nearest sample leads to the nearest point
-        candidates = np.arange(1, NEIGHBOURS + 1) if len(self.corners) else [1]
-        nearest = tree.query(points, k=candidates)[1]
+        nearest = self._sampled.numbers(points, NEIGHBOURS if len(self.corners) else 1)
         s, below, above, points = s[nearest], below[nearest], above[nearest], points[..., None, :]
         for _ in range(20):
-            gap, t = self.points(s) - points, self._velocity(s)
-            slope = (t * t).sum(-1) + (gap * self._acceleration(s)).sum(-1)
+            at, t, bend = self._derivatives(s, 0, 1, 2)
+            gap = at - points
+            slope = (t * t).sum(-1) + (gap * bend).sum(-1)
             # At a centre of curvature every point is equally near and the slope vanishes; the step back to
             # steepest descent keeps the direction, the clip keeps to the neighbours of the nearest sample.
             slope = np.where(slope > 0.1, slope, 1.0)

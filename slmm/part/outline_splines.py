@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PPoly
-from scipy.optimize import brentq
+
+from slmm.mechanics.cubics import Cubics, closed_through, through
 
 Array = NDArray[np.float64]
 
@@ -74,16 +74,14 @@ def checked_pieces(pieces: list[Array]) -> list[Array]:
     return pieces
 
 
-def open_spline(points: Array) -> PPoly:
+def open_spline(points: Array) -> Cubics:
     """Curve through the points (n, 2) of one piece, over its arc length from 0; two points are a straight line."""
     parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    if len(points) == 2:
-        direction = (points[1] - points[0]) / parameter[1]
-        return PPoly(np.array([[0 * direction], [0 * direction], [direction], [points[0]]]), parameter)
-    for _ in range(3):  # from the chord lengths to the arc lengths
-        spline = CubicSpline(parameter, points)
-        parameter = np.concatenate([[0.0], np.cumsum(arc_lengths(spline))])
-    return spline
+    curve = through(parameter, points)
+    if len(points) > 2:
+        for _ in range(2):  # from the chord lengths to the arc lengths
+            curve = through(np.concatenate([[0.0], np.cumsum(arc_lengths(curve))]), points)
+    return curve
 
 
 def turns_at(breaks: Array, coefficients: Array, index: NDArray[np.int64]) -> tuple[Array, Array]:
@@ -109,16 +107,11 @@ def turned(vectors: Array, angles: Array) -> Array:
     return np.column_stack([c * x - s * y, s * x + c * y])
 
 
-def periodic_spline(parameter: Array, points: Array) -> CubicSpline:
-    """Closed curve through points (n, 2) at parameters (n + 1,)."""
-    return CubicSpline(parameter, np.vstack([points, points[:1]]), bc_type="periodic")
-
-
 class _Speed:
     """How fast a spline runs within some of its pieces (n,)."""
 
-    def __init__(self, spline: CubicSpline, piece: NDArray[np.int64]) -> None:
-        a, b, c, _ = spline.c.transpose(0, 2, 1)
+    def __init__(self, spline: Cubics, piece: NDArray[np.int64]) -> None:
+        a, b, c, _ = spline.coefficients.transpose(0, 2, 1)
         self._bends, self._slopes, self._first = (of[:, piece, None] for of in (3 * a, 2 * b, c))
 
     def __call__(self, t: Array) -> Array:
@@ -131,20 +124,20 @@ class _Speed:
         return np.sqrt(velocity[0] + velocity[1])
 
 
-def arc_lengths(spline: CubicSpline) -> Array:
+def arc_lengths(spline: Cubics) -> Array:
     """Arc lengths (m,) of the spline between its breaks."""
-    half = 0.5 * np.diff(spline.x)
+    half = 0.5 * np.diff(spline.breaks)
     speed = _Speed(spline, np.arange(len(half)))(half[:, None] * (GAUSS_POINTS + 1))
     return np.asarray(half * (speed @ GAUSS_WEIGHTS))
 
 
-def equidistant(spline: CubicSpline, n: int) -> tuple[Array, Array]:
+def equidistant(spline: Cubics, n: int) -> tuple[Array, Array]:
     """Arc lengths (n + 1,) and points (n, 2) of the spline, evenly spaced in arc length."""
     lengths = arc_lengths(spline)
     arc = np.concatenate([[0.0], np.cumsum(lengths)])
     s = np.linspace(0.0, arc[-1], n + 1)
     piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(lengths) - 1)
-    ahead, h, speed = s[:-1] - arc[piece], np.diff(spline.x)[piece], _Speed(spline, piece)
+    ahead, h, speed = s[:-1] - arc[piece], np.diff(spline.breaks)[piece], _Speed(spline, piece)
     part = ahead / lengths[piece]
     for _ in range(NEWTON_STEPS):
         # for the parameter at which the arc length from the break is the wanted one
@@ -154,10 +147,10 @@ def equidistant(spline: CubicSpline, n: int) -> tuple[Array, Array]:
         part = np.clip(part + step, 0.0, 1.0)
         if np.abs(step).max() < REACHED:
             break
-    return s, spline(spline.x[piece] + h * part)
+    return s, spline(spline.breaks[piece] + h * part)
 
 
-def number_of_pieces(spline: CubicSpline) -> int:
+def number_of_pieces(spline: Cubics) -> int:
     """As many pieces as the sharpest bend needs."""
     s, points = equidistant(spline, MAX_PIECES)
     step = s[1]
@@ -181,7 +174,7 @@ def turns(points: Array) -> Array:
     return np.asarray(np.angle(np.roll(direction, -1) / direction))
 
 
-def smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -> CubicSpline:
+def smoothed(spline: Cubics, n: int, deviation: float, wavelength: float) -> Cubics:
     """Spline without the undulations that are noise, see `Outline.through`.
 
     On points evenly spaced in arc length, the penalty on the third derivative of a smoothing spline is the
@@ -202,10 +195,12 @@ def smoothed(spline: CubicSpline, n: int, deviation: float, wavelength: float) -
     least, most = np.log(0.1), np.log(10.0 * n)
     log_k_c = np.log(arc_lengths[-1] / wavelength) if wavelength > 0 else most
     if deviation > 0 and excess(log_k_c) < 0:
+        from scipy.optimize import brentq  # only what is noisy needs it, and it takes long to load
+
         log_k_c = brentq(excess, least, log_k_c, xtol=1e-6) if excess(least) > 0 else least
     smooth = np.fft.ifft(harmonics - removed(log_k_c))
     points = np.column_stack([smooth.real, smooth.imag])
-    return periodic_spline(chord_lengths(points), points)
+    return closed_through(chord_lengths(points), points)
 
 
 def curvature_jumps(breaks: Array, coefficients: Array) -> Array:

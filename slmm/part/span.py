@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from slmm.part.outline import Outline
 
@@ -105,6 +104,8 @@ class Span:
 
     def square_to(self, direction: Array) -> Array:
         """Points (k, 2) between its ends where the surface runs along a direction (2,)."""
+        from scipy.optimize import brentq  # few parts need it, and it takes long to load
+
         s = np.linspace(self.first, self.last, SAMPLES)
         across = self.outline.normals(s) @ direction
         found = [

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.signal import hilbert
 
+from slmm.mechanics.cubics import closed_through, through
 from slmm.part.flanks import STEP, Flank, Noise, evenly_spaced, straight_flank
 from slmm.part.smoothing import HELD_WEIGHT, curvatures, smoothed, wavelengths
 from slmm.part.vertices import SMALLEST_TURN, Vertex
@@ -164,11 +164,11 @@ def thinned(points: Array, closed: bool) -> Array:
     if closed:
         points, bend = np.vstack([points, points[:1]]), np.append(bend, bend[0])
     distance = np.clip(TURN_PER_POINT / np.maximum(bend, 1e-12), NEAREST, FARTHEST)
-    along = STEP * np.arange(len(points))
+    along = STEP * np.arange(len(points), dtype=np.float64)
     number = np.concatenate([[0.0], np.cumsum(0.5 * STEP * (1 / distance[1:] + 1 / distance[:-1]))])
     count = max(int(np.ceil(number[-1])), 4)
     at = np.interp(np.linspace(0, number[-1], count + 1), number, along)
-    spline = CubicSpline(along, points, bc_type="periodic" if closed else "not-a-knot")
+    spline = closed_through(along, points[:-1]) if closed else through(along, points)
     thin: Array = spline(at)
     thin[0], thin[-1] = points[0], points[-1]
     return thin

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from slmm.running.labelled import LabelledArrays
-from slmm.running.model_file import read_verified
+from slmm.running.model_file import read_verified, shipped
 
 #: version of the layout below; a file of another one is refused
 SCHEMA = 1
@@ -20,6 +20,11 @@ LAYOUT: dict[str, tuple[str, ...]] = {
     "mode_p": ("mode",),
     "mode_q": ("mode",),
 }
+
+
+def shipped_database() -> Path:
+    """The database of crack cells that comes with the package."""
+    return shipped("cells.nc")
 
 
 def read_cells(path: Path | str) -> LabelledArrays:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import Akima1DInterpolator
 
 from slmm.part.span import Span
+
+if TYPE_CHECKING:
+    from scipy.interpolate import Akima1DInterpolator
 
 Array = NDArray[np.float64]
 
@@ -51,6 +54,8 @@ class Sampled:
 
     @cached_property
     def _curve(self) -> Akima1DInterpolator:
+        from scipy.interpolate import Akima1DInterpolator  # results alone need it, and it takes long to load
+
         return Akima1DInterpolator(self.share, self.values, method="makima")
 
     @property

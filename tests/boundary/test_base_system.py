@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from slmm.boundary import base_system, skeletonised
+from slmm.boundary.iterative import Iterative
 from slmm.boundary.model import BoundaryModel
 from slmm.boundary.skeletonised import Skeletonised
-from slmm.boundary.solvers import Factorised, Iterative
+from slmm.boundary.solvers import Factorised
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
 from slmm.part.part import Part

@@ -6,9 +6,9 @@ import pytest
 from slmm.boundary.model import BoundaryModel
 from slmm.fem.mesh import plate_mesh
 from slmm.fem.plate_model import PlateModel
+from slmm.mechanics.cubics import closed_through
 from slmm.mechanics.material import Material
 from slmm.part.outline import Outline
-from slmm.part.outline_splines import periodic_spline
 from slmm.part.part import Part
 from slmm.part.shapes import circle
 from slmm.part.span import Span
@@ -47,10 +47,8 @@ def ring_of(pieces):
 
     def through(radius):
         angle = np.linspace(0.0, 2 * np.pi, pieces + 1)
-        spline = periodic_spline(
-            radius * angle, radius * np.column_stack([np.cos(angle), np.sin(angle)])[:-1]
-        )
-        return Outline(spline.x, spline.c)
+        spline = closed_through(radius * angle, radius * np.column_stack([np.cos(angle), np.sin(angle)])[:-1])
+        return Outline(spline.breaks, spline.coefficients)
 
     return Part.within(through(OUTER), [through(INNER)])
 

@@ -3,7 +3,7 @@
 import xarray as xr
 from command_line import refused, run
 
-from slmm.initiation.meta_model import shipped_database
+from slmm.running.cell_file import shipped_database
 
 
 def test_info_says_what_the_shipped_database_holds():

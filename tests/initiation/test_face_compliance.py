@@ -14,7 +14,8 @@ from slmm.initiation.face_compliance import (
     face_compliance,
     legendre_coefficients,
 )
-from slmm.initiation.meta_model import load_meta_model, shipped_database
+from slmm.initiation.meta_model import load_meta_model
+from slmm.running.cell_file import shipped_database
 
 #: K/(S sqrt(pi L)) of one crack at a circular hole under tension S, by high-order finite elements (1e-4)
 L_OVER_R = np.array([0.01, 0.1, 0.2, 0.5, 1.0, 2.0])

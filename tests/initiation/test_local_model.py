@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from slmm.initiation.local_model import bilinear, grid_size, solve_local_model
+from slmm.initiation.local_model import bilinear, solve_local_model
 from slmm.mechanics.material import Material
 from slmm.part.shapes import circle
 from slmm.scene.loading import plate_loading
@@ -95,13 +95,6 @@ def test_bilinear_is_exact_for_bilinear_fields_and_clamps():
     assert bilinear(u, 1.0, 0.5, 1.3, 0.7) == pytest.approx((1 + 1.3 - 1.4 + 3 * 1.3 * 0.7, 1.3))
     assert bilinear(u, 1.0, 0.5, 9.0, -1.0) == pytest.approx((4.0, 3.0))
     assert bilinear(u, 1.0, 0.5, 3.0, 1.0) == pytest.approx((11.0, 3.0))
-
-
-def test_grid_follows_the_plate():
-    assert grid_size(100, 100, 10_000) == (100, 100)
-    assert grid_size(400, 10, 1000) == (200, 16)
-    with pytest.raises(ValueError, match="voxels = 10"):
-        grid_size(100, 100, 10)
 
 
 def test_void_without_stiffness_is_refused():

@@ -9,9 +9,8 @@ from slmm.initiation.meta_model import (
     interpolate_poisson,
     load_meta_model,
     polynomial_matrix,
-    shipped_database,
 )
-from slmm.running.cell_file import read_cells
+from slmm.running.cell_file import read_cells, shipped_database
 from slmm.running.model_file import DatabaseError, checksum
 
 

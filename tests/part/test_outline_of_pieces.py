@@ -143,7 +143,7 @@ def test_straight_and_curved_pieces_may_meet_at_a_corner():
     assert side == 0.0 and arc == pytest.approx(-1.0, rel=1e-4)
     # at a corner the curvature is that of the piece which begins there
     assert outline.curvatures(2.0) == pytest.approx(-1.0, rel=1e-4)
-    speed = np.linalg.norm(outline._velocity(everywhere(outline, 20_011)), axis=1)
+    speed = np.linalg.norm(outline._derivatives(everywhere(outline, 20_011), 1)[0], axis=1)
     assert np.abs(speed - 1).max() < 1e-6
 
 

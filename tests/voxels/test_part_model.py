@@ -6,7 +6,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 from voxel_reference import assemble
 
-from slmm.initiation.local_model import grid_size
+from slmm.initiation.raster import grid_size
 from slmm.scene.scene import Scene
 from slmm.voxels.grid import VoxelGrid
 from slmm.voxels.part_load import part_load
