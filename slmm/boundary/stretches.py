@@ -52,7 +52,7 @@ FINE = Grading(0.01, 0.01, 0.6, 1.0, 1.0)
 #: for stiffness and tips away from mouths: solutions are smooth enough (chosen on validation/fracture_references.py)
 COARSE = Grading(0.1, 0.2, 0.8, 1.5, 2.0)
 #: for U_T to some thousandths: of 20 random patterns it is within 2e-4 of that by `COARSE` (chosen on 20 others)
-ROUGH = COARSE._replace(side=0.2, tip=3.0)
+ROUGH = COARSE._replace(side=0.4, crack=0.4, tip=5.0)
 
 
 class Stretch(NamedTuple):
