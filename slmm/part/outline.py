@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from slmm.part.accuracy import Accuracy
 from slmm.part.outline_splines import (
+    MAX_PIECES,
     backwards,
     checked_pieces,
     chord_lengths,
@@ -112,12 +113,16 @@ class Outline:
         if smoothing > 0 or wavelength > 0:
             spline = smoothed(spline, 2 * len(points), smoothing, wavelength)
 
-        pieces = number_of_pieces(spline)
+        s, samples = equidistant(spline, MAX_PIECES)
+        pieces = number_of_pieces(samples, s[1])
+        if pieces < MAX_PIECES:
+            s, samples = equidistant(spline, pieces)
         # The first pass brings the parameter to the arc length of the spline through the given points, the
         # next ones to the arc length of the spline through the equidistant points itself.
-        for _ in range(3):
-            s, samples = equidistant(spline, pieces)
+        for _ in range(2):
             spline = periodic_spline(s, samples)
+            s, samples = equidistant(spline, pieces)
+        spline = periodic_spline(s, samples)
         return cls(read_only(spline.x), read_only(spline.c))
 
     @classmethod
@@ -197,12 +202,12 @@ class Outline:
         return turns_at(self.breaks, self.coefficients, np.searchsorted(self.breaks, self.corners))
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array, Array, cKDTree]:
-        """Arc lengths, how far down and up from each a nearest point is sought, and the tree of their points."""
+    def _samples(self) -> tuple[Array, Array, Array, Array]:
+        """Arc lengths, how far down and up from each a nearest point is sought, and their points."""
         s = self.arc_lengths(max(2000, 2 * (len(self.breaks) - 1)))
         if self._is_even:
             step = self.length / len(s)
-            return s, s - step, s + step, cKDTree(self.points(s))
+            return s, s - step, s + step, self.points(s)
         below = np.roll(s, 1)
         below[0] -= self.length
         above = np.roll(s, -1)
@@ -218,7 +223,11 @@ class Outline:
             np.concatenate([np.where(is_corner, s, below), s[before_corner]]),
             np.concatenate([above, ending]),
         )
-        return s, below, above, cKDTree(self.points(s))
+        return s, below, above, self.points(s)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self._samples[-1])
 
     @property
     def length(self) -> float:
@@ -228,7 +237,7 @@ class Outline:
     @cached_property
     def box(self) -> Array:
         """Lower left and upper right corner (2, 2) of a rectangle around it, mm: of its points, and a little more."""
-        points = self._samples[-1].data
+        points = self._samples[-1]
         gap = 0.5 * self.length / len(points)
         return np.array([points.min(axis=0) - gap, points.max(axis=0) + gap])
 
@@ -291,10 +300,10 @@ class Outline:
     def project(self, points: ArrayLike) -> Array:
         """Arc lengths s (n,) of the points of the outline that lie nearest to the given points (n, 2)."""
         points = np.asarray(points, dtype=float)
-        s, below, above, tree = self._samples
+        s, below, above, _ = self._samples
         # without corners the nearest sample leads to the nearest point
         candidates = np.arange(1, NEIGHBOURS + 1) if len(self.corners) else [1]
-        nearest = tree.query(points, k=candidates)[1]
+        nearest = self._tree.query(points, k=candidates)[1]
         s, below, above, points = s[nearest], below[nearest], above[nearest], points[..., None, :]
         for _ in range(20):
             gap, t = self.points(s) - points, self._velocity(s)

@@ -136,26 +136,30 @@ def periodic_spline(parameter: Array, points: Array) -> PPoly:
 
 
 class _Speed:
-    """How fast a spline runs within some of its pieces (n,)."""
+    """How fast a spline runs within some of its pieces, of coefficients (4, n, 2)."""
 
-    def __init__(self, spline: PPoly, piece: NDArray[np.int64]) -> None:
-        a, b, c, _ = spline.c.transpose(0, 2, 1)
-        self._bends, self._slopes, self._first = (of[:, piece, None] for of in (3 * a, 2 * b, c))
+    def __init__(self, coefficients: Array) -> None:
+        a, b, c, _ = coefficients.transpose(0, 2, 1)
+        self._bends, self._slopes, self._first = (
+            np.ascontiguousarray(of)[:, None] for of in (3 * a, 2 * b, c)
+        )
 
     def __call__(self, t: Array) -> Array:
         """Its speed (n, k) where the parameter is t (n, k) beyond each piece's beginning."""
+        # the pieces last, for they are many
+        t = np.ascontiguousarray(t.T)
         velocity = self._bends * t
         velocity += self._slopes
         velocity *= t
         velocity += self._first
         velocity *= velocity
-        return np.sqrt(velocity[0] + velocity[1])
+        return np.ascontiguousarray(np.sqrt(velocity[0] + velocity[1]).T)
 
 
 def _lengths(spline: PPoly) -> Array:
     """Arc lengths (m,) of the spline between its breaks."""
     half = 0.5 * np.diff(spline.x)
-    speed = _Speed(spline, np.arange(len(half)))(half[:, None] * (GAUSS_POINTS + 1))
+    speed = _Speed(spline.c)(half[:, None] * (GAUSS_POINTS + 1))
     return np.asarray(half * (speed @ GAUSS_WEIGHTS))
 
 
@@ -165,7 +169,7 @@ def equidistant(spline: PPoly, n: int) -> tuple[Array, Array]:
     arc = np.concatenate([[0.0], np.cumsum(lengths)])
     s = np.linspace(0.0, arc[-1], n + 1)
     piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(lengths) - 1)
-    ahead, h, speed = s[:-1] - arc[piece], np.diff(spline.x)[piece], _Speed(spline, piece)
+    ahead, h, speed = s[:-1] - arc[piece], np.diff(spline.x)[piece], _Speed(spline.c[:, piece])
     part = ahead / lengths[piece]
     for _ in range(NEWTON_STEPS):
         # for the parameter at which the arc length from the break is the wanted one
@@ -178,10 +182,8 @@ def equidistant(spline: PPoly, n: int) -> tuple[Array, Array]:
     return s, spline(spline.x[piece] + h * part)
 
 
-def number_of_pieces(spline: PPoly) -> int:
-    """As many pieces as the sharpest bend needs."""
-    s, points = equidistant(spline, MAX_PIECES)
-    step = s[1]
+def number_of_pieces(points: Array, step: float) -> int:
+    """As many pieces as the sharpest bend needs of an outline through `MAX_PIECES` points, a step of it apart, mm."""
     # the angle between neighbouring chords: unlike the second derivative, it forgives tiny kinks
     chords = np.roll(points, -1, axis=0) - points
     direction = chords[:, 0] + 1j * chords[:, 1]
