@@ -117,14 +117,12 @@ class Border:
         )
 
     def extend(self, members: Sequence[Member]) -> tuple[Array, Array, Array]:
-        """Make room for k rows of more members: B (2 n, k), R (k, 2 n) and r (k,), to be filled in place."""
+        """Make room for k rows of more members: B (2 n, k), R (k, 2 n) and r (k,), all to be filled in place."""
         first = self.size
         for member in members:
             self._append(member)
         self._make_room(first)
         new = slice(first, self.size)
-        for array in (self._columns, self._rows, self._right, self._matrix):
-            array[new] = 0.0
         return self._columns[new].T, self._rows[new], self._right[new]
 
     def eliminate(self, first: int) -> None:

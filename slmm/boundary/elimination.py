@@ -62,10 +62,12 @@ def eliminated(body: Body, cracks: CrackPanels | None) -> Eliminated:
     if new:
         first, added = border.size, set(new)
         B, rows, right = border.extend(new)
+        B[base.unknowns :] = 0.0
         for number, member in zip(body.removed.tolist(), divided, strict=True):
             if member in added:
                 unknowns = number * member.width + np.arange(member.width)
                 own = border.places([member]) - first
+                B[:, own], rows[own], right[own] = 0.0, 0.0, 0.0
                 B[unknowns, own] = rows[own, unknowns] = 1.0
         groups = [
             _Panels(source, border.places(members), np.array([member in added for member in members]))
