@@ -120,7 +120,8 @@ class Body:
             check_in_one_piece(part)
             body = copy.copy(self)
             body.part, body.mouths = part, mouths
-            body.__dict__.pop("acted_points", None)
+            for name in ("acted_points", "outside"):
+                body.__dict__.pop(name, None)
             body._curves = self._curves.with_mouths([z for z in mouths if z not in self.mouths])
             tips = np.concatenate([tips_of(part), np.array(ahead, dtype=complex)])
             body._take(body._curves.divided(self.panels, tips))
@@ -132,6 +133,11 @@ class Body:
             if not np.isin(body.removed, self.base.acted).any() and changed <= MOST_CHANGED * len(place):
                 return body
         return Body(part, self.material, self.loading, self.p, self.grading, ahead)
+
+    @cached_property
+    def outside(self) -> Panels:
+        """The panels that the base system has not."""
+        return self.panels.chosen(np.flatnonzero(self.of_base < 0))
 
     @cached_property
     def acted_points(self) -> NDArray[np.int64]:

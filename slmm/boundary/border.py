@@ -13,13 +13,14 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slmm.boundary.base_system import BaseSystem
 from slmm.boundary.growing_factors import GrowingFactors
 from slmm.boundary.rules import Array
 
 #: room for so many rows at first; chosen
-ROOM = 256
+ROOM = 1024
 
 
 class Kind(StrEnum):
@@ -57,7 +58,8 @@ class Border:
 
     Attributes
     ----------
-    members : list of Member
+    size : int
+        Of its rows.
     factors : GrowingFactors
         Of D - R A^-1 B.
     """
@@ -65,9 +67,9 @@ class Border:
     def __init__(self, base: BaseSystem) -> None:
         """Of a body that has neither cracks nor divided panels."""
         self.base = base
-        self.members: list[Member] = []
+        self.size = 0
         self.factors = GrowingFactors()
-        self._size = 0
+        self._begins: dict[Member, int] = {}
         self._columns = np.empty((ROOM, len(base.solution)))
         self._rows = np.empty_like(self._columns)
         self._right = np.empty(ROOM)
@@ -76,93 +78,92 @@ class Border:
     @property
     def columns(self) -> Array:
         """A^-1 B, transposed; (m, 2 n)."""
-        return self._columns[: self._size]
-
-    @property
-    def rows(self) -> Array:
-        """R (m, 2 n)."""
-        return self._rows[: self._size]
-
-    @property
-    def right(self) -> Array:
-        """r - R A^-1 b (m,)."""
-        return self._right[: self._size]
+        return self._columns[: self.size]
 
     @property
     def matrix(self) -> Array:
         """D - R A^-1 B (m, m)."""
-        return self._matrix[: self._size, : self._size]
+        return self._matrix[: self.size, : self.size]
 
     def keep(self, wanted: Sequence[Member]) -> list[Member]:
         """Forget what is not wanted; what is wanted and not there, tips last."""
-        asked, known = set(wanted), set(self.members)
-        stays = np.array([member in asked for member in self.members], dtype=bool)
+        asked = set(wanted)
+        stays = np.array([member in asked for member in self._begins], dtype=bool)
+        new = [member for member in wanted if member not in self._begins]
         if not stays.all():
-            first = int(stays.argmin())
-            begin = sum(member.width for member in self.members[:first])
-            rows = np.flatnonzero(np.repeat(stays, [member.width for member in self.members]))
-            moved, size = rows[begin:], len(rows)
+            members = list(self._begins)
+            begin = self._begins[members[int(stays.argmin())]]
+            rows = np.flatnonzero(np.repeat(stays, [member.width for member in members]))
+            moved, size = rows[np.searchsorted(rows, begin) :], len(rows)
             self.factors.truncate(begin)
             for array in (self._columns, self._rows, self._right):
                 array[begin:size] = array[moved]
             self._matrix[begin:size, :size] = self._matrix[np.ix_(moved, rows)]
             self._matrix[:begin, begin:size] = self._matrix[:begin, moved]
-            self.members = [member for member in self.members if member in asked]
-            self._size = size
-        new = [member for member in wanted if member not in known]
+            self._begins, self.size = {}, 0
+            for member in members:
+                if member in asked:
+                    self._append(member)
         return sorted(new, key=lambda member: member.kind is Kind.TIP)
 
-    def room(self, k: int) -> tuple[Array, Array, Array]:
-        """Zeros to be filled before k rows are added: A^-1 B, transposed, and R (k, 2 n), and r - R A^-1 b (k,)."""
-        m = self._size
-        self._make_room(m + k)
-        found = self._columns[m : m + k], self._rows[m : m + k], self._right[m : m + k]
-        for array in found:
-            array[:] = 0.0
-        return found
+    def _append(self, member: Member) -> None:
+        self._begins[member] = self.size
+        self.size += member.width
 
-    def extend(self, members: Sequence[Member], corner: Array, felt: Array) -> None:
-        """More members, whose columns and rows are in the `room` for them.
+    def places(self, members: Sequence[Member]) -> NDArray[np.int64]:
+        """The rows of members, in their order."""
+        return np.array(
+            [self._begins[member] + k for member in members for k in range(member.width)], dtype=int
+        )
 
-        Parameters
-        ----------
-        members : sequence of Member
-        corner : ndarray, shape (k, m + k)
-            D of the new rows.
-        felt : ndarray, shape (m, k)
-            And of the new columns in the rows that are there.
-        """
-        m, k = self._size, len(corner)
-        columns, rows = self._columns[m : m + k], self._rows[m : m + k]
-        self._size = m + k
-        self._matrix[m : m + k, : m + k] = corner - rows @ self.columns.T
+    def extend(self, members: Sequence[Member]) -> tuple[Array, Array, Array]:
+        """Make room for k rows of more members: B (2 n, k), R (k, 2 n) and r (k,), all to be filled in place."""
+        first = self.size
+        for member in members:
+            self._append(member)
+        self._make_room(first)
+        new = slice(first, self.size)
+        return self._columns[new].T, self._rows[new], self._right[new]
+
+    def eliminate(self, first: int) -> None:
+        """Solve for what members from a row on do to the base system, and what is felt of that; D is to be added."""
+        new, size = slice(first, self.size), self.size
+        columns, rows = self._columns[new], self._rows[new]
+        try:
+            columns[:] = self.base.solve(columns.T).T
+        except ValueError:  # other models go on without them
+            self._begins = {member: at for member, at in self._begins.items() if at < first}
+            self.size = first
+            raise
+        self._right[new] -= rows @ self.base.solution
+        np.matmul(rows, self.columns.T, out=self._matrix[new, :size])
+        np.negative(self._matrix[new, :size], out=self._matrix[new, :size])
         # the narrow factor first: the product takes less time
-        self._matrix[:m, m : m + k] = felt - (columns @ self._rows[:m].T).T
-        self.members = [*self.members, *members]
+        self._matrix[:first, new] = -(columns @ self._rows[:first].T).T
 
-    def _make_room(self, size: int) -> None:
-        if size <= len(self._right):
+    def _make_room(self, filled: int) -> None:
+        """For all rows, of which some are filled."""
+        if self.size <= len(self._right):
             return
-        room = 2 * size
-        m = self._size
+        room = 2 * self.size
         for name in ("_columns", "_rows", "_right"):
             old = getattr(self, name)
             array = np.empty((room, *old.shape[1:]))
-            array[:m] = old[:m]
+            array[:filled] = old[:filled]
             setattr(self, name, array)
         matrix = np.empty((room, room))
-        matrix[:m, :m] = self._matrix[:m, :m]
+        matrix[:filled, :filled] = self._matrix[:filled, :filled]
         self._matrix = matrix
 
     def solve(self) -> Array:
         """The unknowns of the border (m,)."""
         # tips are the first to go: they have a block of factors to themselves
-        stays = self._size
-        for member in reversed(self.members):
+        stays = self.size
+        for member in reversed(self._begins):
             if member.kind is not Kind.TIP:
                 break
             stays -= member.width
-        if self.factors.size < self._size:
-            cut = [stays] if self.factors.size < stays < self._size else []
+        if self.factors.size < self.size:
+            cut = [stays] if self.factors.size < stays < self.size else []
             self.factors.append(self.matrix, *cut)
-        return self.factors.solve(self.right)
+        return self.factors.solve(self._right[: self.size])

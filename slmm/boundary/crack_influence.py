@@ -18,20 +18,26 @@ def _inverse(gap):
 
 
 @njit(cache=True)
-def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, tip_w, tip_inverse):
+def crack_weights(targets, on, p, starts, ends, turn, is_tip, x, w, inverse, tip_x, tip_w, tip_inverse):
     """Weights (3, t, n) of 1/(tau - z), 1/(tau - z)^2 and 1/(tau - z)^3 of crack panels for targets (t,).
 
+    And the distance (t, m) of targets from the panels' lines, as tau - z mirrored there less its conjugate.
+
     ``on`` (t,) is the panel on whose line a target lies, -1 for none: there the finite part counts. A panel with a tip
-    ends at it; its density is an odd polynomial in the root of the distance.
+    ends at it; its density is an odd polynomial in the root of the distance. ``turn`` (m,) is the conjugate of a
+    panel's direction over that direction.
     """
     t, m = len(targets), len(starts)
     M = np.empty((3, t, m * p), dtype=np.complex128)
+    delta = np.empty((t, m), dtype=np.complex128)
     I = np.empty((3, 2 * p), dtype=np.complex128)
     for i in range(t):
         target = targets[i]
         for k in range(m):
             base = k * p
             along = ends[k] - starts[k]
+            away = target - starts[k]
+            delta[i, k] = 0.0j if on[i] == k else turn[k] * away - away.conjugate()
             if is_tip[k]:
                 zeta = np.sqrt((ends[k] - target) / along)
                 if is_far(zeta):
@@ -85,15 +91,14 @@ def crack_weights(targets, on, p, starts, ends, is_tip, x, w, inverse, tip_x, ti
                 M[0, i, base + j] = one
                 M[1, i, base + j] = two / half
                 M[2, i, base + j] = 0.5 * three / (half * half)
-    return M
+    return M, delta
 
 
 @njit(cache=True)
 def displacement_by_jumps(moments, turn, delta, kappa):
     """Weights (t, n) of jumps and of their conjugates in W, by the weights of `crack_weights`.
 
-    ``turn`` (m,) is the conjugate of a panel's direction over that direction, ``delta`` (t, m) a target's distance from
-    its line.
+    ``turn`` (m,) and ``delta`` (t, m) are those of `crack_weights`.
     """
     _, t, n = moments.shape
     p = n // len(turn)

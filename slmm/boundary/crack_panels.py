@@ -22,7 +22,7 @@ SHARP, AT_SHARP = 0.8, 2e-4
 
 
 class CrackPanels(NamedTuple):
-    """Straight panels; one that ``is_tip`` ends at a tip.
+    """Straight panels; one that ``is_tip`` ends at a tip, and these come last.
 
     Attributes
     ----------
@@ -33,6 +33,8 @@ class CrackPanels(NamedTuple):
     is_tip : ndarray, shape (m,) of bool
     tip : ndarray, shape (m,) of int
         Which tip of the part it leads to, -1 for none.
+    direction : ndarray, shape (m,)
+        Unit vectors.
     z : ndarray, shape (m p,)
         Points, mm.
     """
@@ -42,18 +44,32 @@ class CrackPanels(NamedTuple):
     ends: Complex
     is_tip: NDArray[np.bool_]
     tip: NDArray[np.int64]
+    direction: Complex
     z: Complex
 
-    @property
-    def direction(self) -> Complex:
-        """Unit vectors (m,)."""
-        along = self.ends - self.starts
-        return along / np.abs(along)
+    @classmethod
+    def between(cls, starts: Complex, ends: Complex, tip: NDArray[np.int64], p: int) -> CrackPanels:
+        """Panels of p points from starts (m,) to ends (m,), mm, and the tip (m,) that each leads to, -1 for none."""
+        order = np.argsort(tip >= 0, kind="stable")
+        starts, ends, tip = starts[order], ends[order], tip[order]
+        along, others = ends - starts, np.count_nonzero(tip < 0)
+        straight = 0.5 * (starts + ends)[:others, None] + 0.5 * along[:others, None] * straight_rule(p)[0]
+        at_tip = ends[others:, None] - along[others:, None] * tip_rule(p)[0] ** 2
+        z = np.concatenate([straight.ravel(), at_tip.ravel()])
+        return cls(p, starts, ends, tip >= 0, tip, along / np.abs(along), z)
 
     def chosen(self, rows: NDArray[np.int64]) -> CrackPanels:
-        """Some of them."""
+        """Some of them, in their order."""
         z = self.z.reshape(-1, self.p)[rows].ravel()
-        return CrackPanels(self.p, self.starts[rows], self.ends[rows], self.is_tip[rows], self.tip[rows], z)
+        return CrackPanels(
+            self.p,
+            self.starts[rows],
+            self.ends[rows],
+            self.is_tip[rows],
+            self.tip[rows],
+            self.direction[rows],
+            z,
+        )
 
 
 @lru_cache
@@ -105,16 +121,7 @@ def crack_panels(part: Part, around: Complex, p: int, at_mouth: float) -> CrackP
     ValueError
         When a crack, or a segment of one, beside others is so short that its ends are one place of the part.
     """
-    starts, ends, tip = divided(_segments(part, at_mouth), around)
-    x, _, _ = straight_rule(p)
-    xt, _, _ = tip_rule(p)
-    along = ends - starts
-    z = np.where(
-        (tip >= 0)[:, None],
-        ends[:, None] - along[:, None] * xt**2,
-        0.5 * (starts + ends)[:, None] + 0.5 * along[:, None] * x,
-    )
-    return CrackPanels(p, starts, ends, tip >= 0, tip, z.ravel())
+    return CrackPanels.between(*divided(_segments(part, at_mouth), around), p)
 
 
 def _segments(part: Part, at_mouth: float) -> Segments:

@@ -192,21 +192,18 @@ class OfCracks(NamedTuple):
 
 def of_cracks(cracks: CrackPanels, targets: Complex, on: NDArray[np.int64]) -> OfCracks:
     """Influence of cracks on targets (t,); ``on`` (t,) is the panel that one lies on, -1 for none."""
-    moments = crack_weights(
+    turn = cracks.direction.conj() / cracks.direction
+    moments, delta = crack_weights(
         targets,
         on,
         cracks.p,
         cracks.starts,
         cracks.ends,
+        turn,
         cracks.is_tip,
         *straight_rule(cracks.p),
         *tip_rule(cracks.p),
     )
-    turn = cracks.direction.conj() / cracks.direction
-    away = targets[:, None] - cracks.starts
-    delta = turn * away - away.conj()
-    own = np.flatnonzero(on >= 0)
-    delta[own, on[own]] = 0.0
     return OfCracks(moments, turn, delta)
 
 

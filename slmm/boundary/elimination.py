@@ -41,76 +41,63 @@ class Eliminated(NamedTuple):
     cracks: Rows
 
 
-class _Sources(NamedTuple):
-    """Members of one kind: their panels, which of all these they are, and their rows."""
+class _Panels(NamedTuple):
+    """Members of one kind: their panels, their rows, and which of them are new."""
 
     panels: Panels | CrackPanels
-    which: Rows
     rows: Rows
+    is_new: NDArray[np.bool_]
+
+    def chosen(self, which: Rows) -> _Panels:
+        """Some of them."""
+        width = len(self.rows) // len(self.is_new)
+        rows = self.rows.reshape(-1, width)[which].ravel()
+        return _Panels(self.panels.chosen(which), rows, self.is_new[which])
 
 
 def eliminated(body: Body, cracks: CrackPanels | None) -> Eliminated:
     """Bring a body's border up to what divided panels and cracks ask for; only new ones are computed."""
     base, border = body.base, body.border
-    outside = body.panels.chosen(np.flatnonzero(body.of_base < 0))
     divided = [Member(Kind.DIVIDED, (k,), 2 * body.p) for k in body.removed.tolist()]
-    panels = [Member(Kind.PANEL, interval.key, 2 * body.p) for interval in outside.intervals]
+    panels = [Member(Kind.PANEL, interval.key, 2 * body.p) for interval in body.outside.intervals]
     along = [] if cracks is None else _members(cracks)
     new = border.keep([*divided, *panels, *along])
     if new:
-        old = len(border.right)
-        places = _Places(border.members, new)
-        m = places.size - old
-        columns, rows, right = border.room(m)
-        B = columns.T
-        corner, felt = np.zeros((m, old + m)), np.zeros((old, m))
-        added = set(new)
-        for k, member in enumerate(divided):
+        first, added = border.size, set(new)
+        B, rows, right = border.extend(new)
+        B[base.unknowns :] = 0.0
+        for number, member in zip(body.removed.tolist(), divided, strict=True):
             if member in added:
-                unknowns = body.removed[k] * member.width + np.arange(member.width)
-                own = places.of([member]) - old
+                unknowns = number * member.width + np.arange(member.width)
+                own = border.places([member]) - first
+                B[:, own], rows[own], right[own] = 0.0, 0.0, 0.0
                 B[unknowns, own] = rows[own, unknowns] = 1.0
-        fresh: list[_Sources] = []
-        stays: list[_Sources] = []
-        for members, source in ((panels, outside), (along, cracks)):
-            is_new = np.array([member in added for member in members], dtype=bool)
-            for found, which in ((fresh, np.flatnonzero(is_new)), (stays, np.flatnonzero(~is_new))):
-                if len(which):
-                    assert source is not None
-                    chosen = source.chosen(which)
-                    found.append(_Sources(chosen, which, places.of([members[k] for k in which.tolist()])))
+        groups = [
+            _Panels(source, border.places(members), np.array([member in added for member in members]))
+            for members, source in ((panels, body.outside), (along, cracks))
+            if members and source is not None
+        ]
+        fresh = [group.chosen(np.flatnonzero(group.is_new)) for group in groups if group.is_new.any()]
+        stays = [group.chosen(np.flatnonzero(~group.is_new)) for group in groups if not group.is_new.all()]
         for one in fresh:
-            own = one.rows - old
+            # they follow each other as their rows do
+            its = slice(one.rows[0] - first, one.rows[-1] + 1 - first)
             if isinstance(one.panels, Panels):
-                B[: base.unknowns, own], rows[own], right[own] = _of_panels(body, one.panels)
-            else:
-                count = len(one.which)
-                turns = min(-(-len(one.panels.z) * base.panels.n // AT_ONCE), max(1, count // FEW))
-                for few in np.array_split(np.arange(count), turns):
-                    at = own.reshape(count, -1)[few].ravel()
-                    B[: base.unknowns, at], rows[at], right[at] = _of_cracks(body, one.panels.chosen(few))
-            for by in (*fresh, *stays):
-                corner[np.ix_(own, by.rows)] = _direct(body, one, by)
+                B[: base.unknowns, its], rows[its], right[its] = _of_panels(body, one.panels)
+                continue
+            count, width = len(one.is_new), 2 * one.panels.p
+            turns = min(-(-len(one.panels.z) * base.panels.n // AT_ONCE), max(1, count // FEW))
+            for few in np.array_split(np.arange(count), turns):
+                at = slice(its.start + few[0] * width, its.start + (few[-1] + 1) * width)
+                B[: base.unknowns, at], rows[at], right[at] = _of_cracks(body, one.panels.chosen(few))
+        border.eliminate(first)
+        for one in fresh:
+            its = slice(one.rows[0], one.rows[-1] + 1)
+            for by in groups:
+                border.matrix[its, by.rows] += _direct(body, one, by)
             for target in stays:
-                felt[np.ix_(target.rows, own)] = _direct(body, target, one)
-        columns[:] = base.solve(B).T
-        right -= rows @ base.solution
-        border.extend(new, corner, felt)
-    places = _Places(border.members, [])
-    return Eliminated(places.of(panels), places.of(along))
-
-
-class _Places:
-    """Where the rows of members stand."""
-
-    def __init__(self, members: list[Member], more: list[Member]) -> None:
-        self.size, self._spans = 0, {}
-        for member in (*members, *more):
-            self._spans[member] = np.arange(self.size, self.size + member.width)
-            self.size += member.width
-
-    def of(self, members: list[Member]) -> Rows:
-        return np.concatenate([self._spans[member] for member in members] or [np.empty(0, dtype=int)])
+                border.matrix[target.rows, its] += _direct(body, target, one)
+    return Eliminated(border.places(panels), border.places(along))
 
 
 def _members(cracks: CrackPanels) -> list[Member]:
@@ -159,14 +146,16 @@ def _of_cracks(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
     return B, rows, -known
 
 
-def _direct(body: Body, target: _Sources, source: _Sources) -> Array:
+def _direct(body: Body, target: _Panels, source: _Panels) -> Array:
     """What members cause at members, without the base system; (2 t, 2 s)."""
     of, by = target.panels, source.panels
     p = of.p
-    place = np.full(max(target.which.max(), source.which.max()) + 1, -1)
-    place[source.which] = np.arange(len(source.which))
-    same = isinstance(of, Panels) == isinstance(by, Panels)
-    on = np.repeat(place[target.which], p) if same else np.full(len(of.z), -1)
+    on = np.full(len(target.is_new), -1)
+    if isinstance(of, Panels) == isinstance(by, Panels):
+        place = np.full(body.border.size, -1)
+        place[source.rows[:: 2 * p]] = np.arange(len(source.is_new))
+        on = place[target.rows[:: 2 * p]]
+    on = np.repeat(on, p)
     if isinstance(by, CrackPanels):
         caused = of_cracks(by, of.z, on)
         if isinstance(of, CrackPanels):
@@ -174,7 +163,7 @@ def _direct(body: Body, target: _Sources, source: _Sources) -> Array:
         return caused.displacement(body.kappa).real()
     if isinstance(of, CrackPanels):
         return traction_of(*stress_of_boundary(by, of.z), -1.0, _directions(of)).real()
-    own = np.where(on < 0, -1, on * p + np.tile(np.arange(p), len(target.which)))
+    own = np.where(on < 0, -1, on * p + np.tile(np.arange(p), len(target.is_new)))
     W = displacement_by_g(by, body.kappa, Targets(of.z, own, np.repeat(of.smooth, p)))
     W += body.base.motions(of.z) @ body.base.motions_felt(by)
     there = np.flatnonzero(own >= 0)

@@ -51,11 +51,7 @@ def halved(cracks: CrackPanels, which: NDArray[np.bool_]) -> CrackPanels:
     first, second = 1 + which, np.cumsum(1 + which)[which] - 1
     starts, ends, tip = (np.repeat(values, first) for values in (cracks.starts, cracks.ends, cracks.tip))
     starts[second], ends[second - 1], tip[second - 1] = middles[which], middles[which], -1
-    along = (ends - starts)[:, None]
-    at_tip = ends[:, None] - along * tip_rule(cracks.p)[0] ** 2
-    straight = starts[:, None] + 0.5 * along * (1 + straight_rule(cracks.p)[0])
-    z = np.where((tip >= 0)[:, None], at_tip, straight)
-    return CrackPanels(cracks.p, starts, ends, tip >= 0, tip, z.ravel())
+    return CrackPanels.between(starts, ends, tip, cracks.p)
 
 
 def held_closed(

@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg as la
-from scipy.linalg.lapack import dtrtrs
+from scipy.linalg.lapack import dgetrf, dtrtrs
 
 from slmm.boundary.rules import Array
 
@@ -64,7 +63,7 @@ class GrowingFactors:
             lu[:a, a:m], lu[a:m, :a] = right, below.T
         for begin, end in pairwise((a, *sizes, m)):
             here, beyond = slice(begin - a, end - a), slice(end - a, None)
-            factors, swaps = la.lu_factor(rest[here, here], check_finite=False)
+            factors, swaps, _ = dgetrf(rest[here, here])
             order = np.arange(end - begin)
             for k, swap in enumerate(swaps.tolist()):
                 order[[k, swap]] = order[[swap, k]]

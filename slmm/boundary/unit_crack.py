@@ -56,15 +56,13 @@ class UnitCrack(NamedTuple):
 @lru_cache
 def unit_crack() -> UnitCrack:
     """The crack from 0 to 1: one panel at the mouth and one at the tip."""
-    x, w, _ = straight_rule(POINTS)
+    _, w, _ = straight_rule(POINTS)
     xt, wt, _ = tip_rule(POINTS)
     first, last = BREAK, 1.0 - BREAK
-    z = np.concatenate([0.5 * first * (1 + x), 1.0 - last * xt**2])
     weight = np.concatenate([0.5 * first * w, 2 * last * xt * wt])
     ends = np.array([0.0, BREAK, 1.0], dtype=complex)
-    panels = CrackPanels(
-        POINTS, ends[:-1], ends[1:], np.array([False, True]), np.array([-1, 0]), z.astype(complex)
-    )
+    panels = CrackPanels.between(ends[:-1], ends[1:], np.array([-1, 0]), POINTS)
+    z = panels.z.real
     caused = of_cracks(panels, panels.z, np.repeat([0, 1], POINTS))
     change = traction_of(caused.P, caused.Q, -1.0, np.ones(len(z), dtype=complex)).real()
     n = len(z)

@@ -52,7 +52,11 @@ def grown_part(
     crack = len(part.cracks) if starts else crack_of(part, event.tip)
     own = -1 if starts else crack
     increment = surroundings.increment(part, event.point, event.direction, length, ahead, own)
-    grown = part.with_crack([event.point, increment.end]) if starts else part.grown(event.tip, increment.end)
+    if starts:
+        grown = part.with_crack([event.point, increment.end])
+    else:
+        go_on = part.grown if increment.arrested else part.grown_inside
+        grown = go_on(event.tip, increment.end)
     at_start = not starts and bool((part.cracks[crack].points[0] == event.point).all())
     its = grown.cracks[crack]
     met = its.start if at_start else its.end

@@ -76,7 +76,7 @@ class Surroundings:
         begins = BEGINS * self.part.tolerance
         return min(
             float(distances_along(start[None], direction[None], lines, beyond=begins)[0])
-            for lines in (self._lines, Lines.of(cracks))
+            for lines in (self._lines, *([Lines.of(cracks)] if cracks else []))
         )
 
     def increment(

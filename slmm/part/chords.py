@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,10 @@ Array = NDArray[np.float64]
 CHORDS = 2000
 #: they are this far off it at most, as a share of its length; of a circle it is a fifth of that; chosen
 OFF = 1e-6
+
+
+#: of outlines that were asked before: a part, its mesh and its surroundings all want them
+_known: WeakKeyDictionary[Outline, Array] = WeakKeyDictionary()
 
 
 def chords(outline: Outline) -> Array:
@@ -30,6 +36,13 @@ def chords(outline: Outline) -> Array:
     >>> len(chords(Outline.through(points))) > 4000
     True
     """
+    if outline not in _known:
+        _known[outline] = _found(outline)
+    return _known[outline]
+
+
+def _found(outline: Outline) -> Array:
+    """The points, which nobody changes."""
     most = OFF * outline.length
     s = outline.arc_lengths(CHORDS)
     step = np.diff(s, append=s[0] + outline.length)
@@ -41,7 +54,9 @@ def chords(outline: Outline) -> Array:
         while (far := step**2 / 8 * _bend(outline, s, step) > most).any():
             s = np.sort(np.concatenate([s, (s + 0.5 * step)[far]]))
             step = np.diff(s, append=s[0] + outline.length)
-    return outline.points(s)
+    points = outline.points(s)
+    points.setflags(write=False)
+    return points
 
 
 def _bend(outline: Outline, s: Array, step: Array) -> Array:

@@ -13,6 +13,7 @@ from slmm.mechanics.cubics import Cubics, closed_through
 from slmm.mechanics.nearest import Nearest
 from slmm.part.accuracy import Accuracy
 from slmm.part.outline_splines import (
+    MAX_PIECES,
     backwards,
     checked_pieces,
     chord_lengths,
@@ -111,12 +112,16 @@ class Outline:
         if smoothing > 0 or wavelength > 0:
             spline = smoothed(spline, 2 * len(points), smoothing, wavelength)
 
-        pieces = number_of_pieces(spline)
+        s, samples = equidistant(spline, MAX_PIECES)
+        pieces = number_of_pieces(samples, s[1])
+        if pieces < MAX_PIECES:
+            s, samples = equidistant(spline, pieces)
         # The first pass brings the parameter to the arc length of the spline through the given points, the
         # next ones to the arc length of the spline through the equidistant points itself.
-        for _ in range(3):
-            s, samples = equidistant(spline, pieces)
+        for _ in range(2):
             spline = closed_through(s, samples)
+            s, samples = equidistant(spline, pieces)
+        spline = closed_through(s, samples)
         return cls(read_only(spline.breaks), read_only(spline.coefficients))
 
     @classmethod

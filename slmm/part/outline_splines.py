@@ -108,26 +108,30 @@ def turned(vectors: Array, angles: Array) -> Array:
 
 
 class _Speed:
-    """How fast a spline runs within some of its pieces (n,)."""
+    """How fast a spline runs within some of its pieces, of coefficients (4, n, 2)."""
 
-    def __init__(self, spline: Cubics, piece: NDArray[np.int64]) -> None:
-        a, b, c, _ = spline.coefficients.transpose(0, 2, 1)
-        self._bends, self._slopes, self._first = (of[:, piece, None] for of in (3 * a, 2 * b, c))
+    def __init__(self, coefficients: Array) -> None:
+        a, b, c, _ = coefficients.transpose(0, 2, 1)
+        self._bends, self._slopes, self._first = (
+            np.ascontiguousarray(of)[:, None] for of in (3 * a, 2 * b, c)
+        )
 
     def __call__(self, t: Array) -> Array:
         """Its speed (n, k) where the parameter is t (n, k) beyond each piece's beginning."""
+        # the pieces last, for they are many
+        t = np.ascontiguousarray(t.T)
         velocity = self._bends * t
         velocity += self._slopes
         velocity *= t
         velocity += self._first
         velocity *= velocity
-        return np.sqrt(velocity[0] + velocity[1])
+        return np.ascontiguousarray(np.sqrt(velocity[0] + velocity[1]).T)
 
 
 def arc_lengths(spline: Cubics) -> Array:
     """Arc lengths (m,) of the spline between its breaks."""
     half = 0.5 * np.diff(spline.breaks)
-    speed = _Speed(spline, np.arange(len(half)))(half[:, None] * (GAUSS_POINTS + 1))
+    speed = _Speed(spline.coefficients)(half[:, None] * (GAUSS_POINTS + 1))
     return np.asarray(half * (speed @ GAUSS_WEIGHTS))
 
 
@@ -137,7 +141,11 @@ def equidistant(spline: Cubics, n: int) -> tuple[Array, Array]:
     arc = np.concatenate([[0.0], np.cumsum(lengths)])
     s = np.linspace(0.0, arc[-1], n + 1)
     piece = np.clip(np.searchsorted(arc, s[:-1], side="right") - 1, 0, len(lengths) - 1)
-    ahead, h, speed = s[:-1] - arc[piece], np.diff(spline.breaks)[piece], _Speed(spline, piece)
+    ahead, h, speed = (
+        s[:-1] - arc[piece],
+        np.diff(spline.breaks)[piece],
+        _Speed(spline.coefficients[:, piece]),
+    )
     part = ahead / lengths[piece]
     for _ in range(NEWTON_STEPS):
         # for the parameter at which the arc length from the break is the wanted one
@@ -150,10 +158,8 @@ def equidistant(spline: Cubics, n: int) -> tuple[Array, Array]:
     return s, spline(spline.breaks[piece] + h * part)
 
 
-def number_of_pieces(spline: Cubics) -> int:
-    """As many pieces as the sharpest bend needs."""
-    s, points = equidistant(spline, MAX_PIECES)
-    step = s[1]
+def number_of_pieces(points: Array, step: float) -> int:
+    """As many pieces as the sharpest bend needs of an outline through `MAX_PIECES` points, a step of it apart, mm."""
     # the angle between neighbouring chords: unlike the second derivative, it forgives tiny kinks
     turn = np.abs(turns(points))
     sharpest = int(turn.argmax())

@@ -266,6 +266,20 @@ class Part:
         >>> part.grown(0, (25, 61)).tips[0].tolist()
         [[0.0, 60.0], [20.0, 60.0], [25.0, 61.0]]
         """
+        return self._cracked(self._longer(tip, points))
+
+    def grown_inside(self, tip: int, points: ArrayLike) -> Part:
+        """The same where what is added is known to lie in the material, and to touch nothing there."""
+        lines = zip(self.cracks, self._longer(tip, points), strict=True)
+        return self._with(
+            tuple(
+                crack if line is crack.points else Crack(line, crack.start, crack.end)
+                for crack, line in lines
+            )
+        )
+
+    def _longer(self, tip: int, points: ArrayLike) -> list[Array]:
+        """The lines (n, 2) of its cracks, one of which goes on from a tip."""
         more = np.atleast_2d(np.asarray(points, dtype=float))
         lines, number = [], -1
         for crack in self.cracks:
@@ -278,7 +292,7 @@ class Part:
             lines.append(line)
         if not 0 <= tip <= number:
             raise ValueError(f"tip = {tip}: the part has {number + 1}")
-        return self._cracked(lines)
+        return lines
 
     def with_cracks(self, more: Sequence[ArrayLike]) -> Part:
         """The part with more cracks, see `with_crack`."""

@@ -35,7 +35,8 @@ def of_its_own(model: BoundaryModel) -> BoundaryModel:
     body.base = BaseSystem(body.panels, body.known, body.kappa, body.base.tractions.size)
     body.border = Border(body.base)
     body.of_base, body.removed = np.arange(len(body.panels.intervals)), np.empty(0, dtype=int)
-    body.__dict__.pop("acted_points", None)
+    for name in ("acted_points", "outside"):
+        body.__dict__.pop(name, None)
     return BoundaryModel(model.part, PMMA, body.loading, body.p, model.crack_p, body)
 
 

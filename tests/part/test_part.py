@@ -168,3 +168,13 @@ def test_a_crack_inside_never_severs_and_one_that_is_turned_round_is_the_same(st
 def test_a_crack_in_two_stretches_is_refused():
     with pytest.raises(ValueError, match="in one piece"):
         PLATE.with_crack([(10, 40), (90, 40)])
+
+
+def test_a_crack_that_is_known_to_grow_inside_is_the_one_that_is_checked():
+    part = Part.plate(40.0, 120.0, cracks=[[(0, 60), (20, 60)], [(10, 90), (20, 90)]])
+    for tip in range(3):
+        end = part.tips[tip][-1] + [1.5, -2.0]
+        ours, wanted = (grow(tip, end) for grow in (part.grown_inside, part.grown))
+        for one, other in zip(ours.cracks, wanted.cracks, strict=True):
+            assert one.points.tolist() == other.points.tolist()
+            assert (one.start, one.end) == (other.start, other.end)
