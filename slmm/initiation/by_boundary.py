@@ -13,11 +13,11 @@ from slmm.boundary.model import BoundaryModel
 from slmm.boundary.part_corrections import Starts, tangents
 from slmm.boundary.surface_cracks import PLACES, SurfaceCracks
 from slmm.boundary.trial_cracks import SOLVED, TrialCracks
-from slmm.criteria.coupled import NONE
 from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
 from slmm.initiation.boundary_field import COVERED, BoundaryField, solve_boundary
 from slmm.initiation.cell_errors import reference_stress
+from slmm.initiation.evidence import Stands
 from slmm.initiation.paths import IN_LIGAMENT, Paths
 from slmm.initiation.task import Answer, Task
 from slmm.mechanics.stress import principal_stress
@@ -207,19 +207,16 @@ def _judged_at_once(
     # without tension anywhere on the path nothing starts there
     free = sigma.max(axis=1) <= 0
     G[free] = G_error[free] = 0.0
-    answer.judge(rows, PathCurves(a, G, sigma, G_error, sigma_error), task, Status.BEYOND_PATH)
-    K, lengths = by_order[0].K, by_order[0].lengths
-    _refuse_closed(answer, rows[~free], K[~free], lengths[~free])
+    closes = _closes(by_order[0].K, by_order[0].lengths)
+    closes[free] = np.inf
+    curves, stands = PathCurves(a, G, sigma, G_error, sigma_error), Stands.below(closes, Status.CLOSES)
+    answer.judge(rows, curves, task, Status.BEYOND_PATH, stands=stands)
 
 
-def _refuse_closed(answer: Answer, rows: np.ndarray, K: np.ndarray, lengths: np.ndarray) -> None:
-    """Take values back where a crack up to the critical length closes; K (k, n, 2) at lengths (k, n), mm."""
-    has_value = (answer.status[rows] == Status.OK) & np.isfinite(answer.load_factor[rows])
-    reached = lengths <= np.nan_to_num(answer.crack_length[rows], nan=np.inf)[:, None]
-    closes = np.any(reached & (K[..., 0] < -CLOSED * np.abs(K).max(axis=(1, 2))[:, None]), axis=1)
-    for i in rows[has_value & closes]:
-        answer.load_factor[i] = answer.crack_length[i] = answer.error[i] = np.nan
-        answer.governed_by[i], answer.status[i] = NONE, Status.CLOSES
+def _closes(K: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Lengths (k,) of the shortest cracks that close, mm, of some with K (k, n, 2) at lengths (k, n), mm."""
+    closed = K[..., 0] < -CLOSED * np.abs(K).max(axis=(1, 2))[:, None]
+    return np.where(closed, lengths, np.inf).min(axis=1)
 
 
 def _relative(high: np.ndarray, low: np.ndarray) -> np.ndarray:
@@ -265,8 +262,8 @@ def _judged(field: BoundaryField, task: Task, answer: Answer, i: int, longest: f
     with np.errstate(divide="ignore", invalid="ignore"):
         G_error = FLOOR + COVERED * np.where(G > 0, np.abs(G - lower) / G, 0.0)
     curves = PathCurves(a, G[None], sigma[None], G_error[None], sigma_error[None])
-    answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
-    _refuse_closed(answer, np.array([i]), trials[0].K[None], trials[0].lengths[None])
+    stands = Stands.below(_closes(trials[0].K[None], trials[0].lengths[None]), Status.CLOSES)
+    answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH, stands=stands)
     return str(answer.status[i]) == Status.BEYOND_PATH
 
 

@@ -11,8 +11,8 @@ from command_line import refused, run
 
 import slmm
 from slmm.initiation import failure
-from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.meta_model import shipped_database
+from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OLD = b"the result of an earlier run"
