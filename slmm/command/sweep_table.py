@@ -91,8 +91,8 @@ def print_sweep(result: LabelledArrays) -> None:
     index = result["failure_index"].values
     starts = int(np.count_nonzero(np.nan_to_num(index) >= 1))
     out.print(
-        f"A crack starts in {starts} of {len(records)}. {result.attrs['answered']} of them were computed, with "
-        f"{result.attrs['elastic_fields']} elastic fields; the others follow from the same curves.",
+        f"A crack starts in {starts} of {len(records)}. Curves were computed for {result.attrs['answered']} of them; "
+        "the others follow.",
         soft_wrap=True,
     )
 

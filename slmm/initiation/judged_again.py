@@ -75,7 +75,8 @@ class JudgedAgain:
 def judged_again(answer: Answer, criterion: Criterion, materials: Sequence[Material]) -> JudgedAgain:
     """Apply a criterion once more, to the evidence of an answer, for materials (m,) of the same elasticity.
 
-    Of several pieces of evidence at a position the first one counts that has a value, as it did for the answer.
+    Of several pieces of evidence at a position the first one counts that has a value, unless another method has a
+    smaller error, as it did for the answer.
     """
     m, n = len(materials), len(answer.status)
     nothing = np.full((m, n), np.nan)
@@ -92,19 +93,19 @@ def judged_again(answer: Answer, criterion: Criterion, materials: Sequence[Mater
     found.stands[:, without] = [str(status).startswith(LASTING) for status in answer.status[without]]
     # what had no value has none where its evidence, which reaches farther than a new one would, has none again
     found.stands[:, (answer.status != Status.OK) & ~without] = True
-    pending = np.tile(~without, (m, 1))
     for evidence, rows in _pieces(answer):
         judged = evidence.judged(criterion, materials)
-        new = pending[:, rows]
+        critical, has_value = judged.critical, judged.status == Status.OK
+        before = (found.status[:, rows] == Status.OK) & ~np.isnan(found.load_factor[:, rows])
+        better = (found.method[:, rows] != evidence.method) & (critical.error < found.error[:, rows])
+        new = ~before | (has_value & better)
         for name in ("load_factor", "crack_length", "error", "governed_by"):
             values = getattr(found, name)
-            values[:, rows] = np.where(new, getattr(judged.critical, name), values[:, rows])
+            values[:, rows] = np.where(new, getattr(critical, name), values[:, rows])
         found.status[:, rows] = np.where(new, judged.status, found.status[:, rows])
-        has_value = judged.status == Status.OK
         serves = judged.length >= evidence.stands.shortest
         found.stands[:, rows] = np.where(new & has_value, serves, found.stands[:, rows])
         found.method[:, rows] = np.where(new & has_value, evidence.method, found.method[:, rows])
-        pending[:, rows] &= ~has_value
     _bound(found, answer, materials)
     return found
 

@@ -19,6 +19,7 @@ from slmm.criteria.criterion import Criterion
 from slmm.initiation.by_choice import BOUNDS, MATTERS, NEGLIGIBLE
 from slmm.initiation.elastic_class import ElasticClass, elastic_classes
 from slmm.initiation.judged_again import JudgedAgain, for_material, judged_again
+from slmm.initiation.meta_model import PoissonNotHeldError
 from slmm.initiation.question import Question, posed, with_peaks
 from slmm.initiation.settings import Settings
 from slmm.initiation.swept_answer import SweptAnswer
@@ -133,7 +134,11 @@ def _answer(question: Question, elastic: ElasticClass, found: SweptAnswer, progr
         group = todo[near & ~same & (not question.turns)]
         of_lead = question.of(elastic.of(elastic.materials[lead]))
         of_lead = replace(of_lead, task=replace(of_lead.task, solved=solved, for_shorter=len(group) > 0))
-        task, answer = of_lead.answered()
+        try:
+            task, answer = of_lead.answered()
+        except PoissonNotHeldError as error:
+            found.refuse(elastic.members, str(error))
+            return
         found.spend(answer)
         served = todo[same]
         found.put(elastic, served, task, _scaled(answer, size[served] / size[lead]), answer)

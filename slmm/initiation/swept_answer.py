@@ -78,6 +78,12 @@ class SweptAnswer:
             before = self.cost.get(method, (0, 0.0))
             self.cost[method] = (before[0] + positions, before[1] + seconds)
 
+    def refuse(self, members: np.ndarray, why: str) -> None:
+        """Say why some variants (m,) have no value."""
+        self.numbers["failure_index_bound"][members] = np.inf
+        for name, word in (("status", why), ("governed_by", "none"), ("used_method", "none")):
+            self.words[name][members] = word
+
     def put(
         self, elastic: ElasticClass, which: np.ndarray, task: Task, judged: JudgedAgain, answer: Answer
     ) -> None:
@@ -127,6 +133,9 @@ class SweptAnswer:
         }
         for name, of in values.items():
             self.numbers[name][members] = of if name == "failure_index_bound" else np.where(known, of, np.nan)
+        if "turned" in answer.columns:
+            turned = self.numbers.setdefault("turned", np.full(len(self.hole), np.nan))
+            turned[members] = np.where(known, answer.columns["turned"][at], np.nan)
         self.hole[members] = np.where(known, task.where.hole[at], -1)
         governed = np.array(GOVERNED_BY, dtype=object)[judged.governed_by[rows, at]]
         self.words["governed_by"][members] = np.where(known, governed, "none")
