@@ -9,6 +9,7 @@ of the others the next one is answered in turn.
 from __future__ import annotations
 
 import warnings
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from slmm.criteria.criterion import Criterion
 from slmm.initiation.by_choice import BOUNDS, MATTERS, NEGLIGIBLE
 from slmm.initiation.elastic_class import ElasticClass, elastic_classes
 from slmm.initiation.judged_again import JudgedAgain, for_material, judged_again
+from slmm.initiation.load_cases import LoadCases
 from slmm.initiation.meta_model import PoissonNotHeldError
 from slmm.initiation.question import Question, posed, with_peaks
 from slmm.initiation.settings import Settings
@@ -109,23 +111,31 @@ def sweep_arrays(
         direction=direction,
     )
     found = SweptAnswer.empty(variants)
+    cases: defaultdict[tuple[object, ...], LoadCases] = defaultdict(LoadCases)
     for k, elastic in enumerate(classes):
 
         def told(share: float, text: str, k: int = k) -> None:
             progress((k + share) / len(classes), text)
 
-        _answer(question, elastic, found, told)
+        one = elastic.materials[0]
+        _answer(question, elastic, found, told, cases[one.E, one.nu, one.state])
     progress(1.0, "done")
     if unusual:
         question.facts["warnings"] = unusual[0]
     return found.labelled(scene.title, question.facts, len(classes))
 
 
-def _answer(question: Question, elastic: ElasticClass, found: SweptAnswer, progress: Progress) -> None:
-    """Fill the variants of one elastic field."""
+def _answer(
+    question: Question,
+    elastic: ElasticClass,
+    found: SweptAnswer,
+    progress: Progress,
+    cases: LoadCases,
+) -> None:
+    """Fill the variants of one elastic field; what has been solved under other loads serves, too."""
     size, length = _scales(question.task.criterion, elastic.materials)
     todo = np.argsort(-length, kind="stable")
-    solved: dict[str, object] = {}
+    solved = cases.under(elastic.scene)
     while len(todo):
         lead = int(todo[0])
         progress(1 - len(todo) / len(length), f"{len(todo)} of {len(length)} loads and materials left")
@@ -150,6 +160,7 @@ def _answer(question: Question, elastic: ElasticClass, found: SweptAnswer, progr
             found.put(elastic, chunk[enough], task, again.of(enough), answer)
             served = np.concatenate([served, chunk[enough]])
         todo = todo[~np.isin(todo, served)]
+    cases.keep(elastic.scene, solved)
 
 
 def _scales(criterion: Criterion, materials: tuple[Material, ...]) -> tuple[np.ndarray, np.ndarray]:
