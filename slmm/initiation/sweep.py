@@ -89,7 +89,7 @@ def sweep_arrays(
     >>> scene = circular_hole(analysis={"points": [[70, 50]], "voxels": 40000})
     >>> found = sweep_arrays(scene, {"load.strain": [0.01, 0.02], "material.sigma_c": [60, 80]}, "slmm+ac")
     >>> found["failure_index"].values.round(2).tolist()
-    [[0.99, 0.85], [1.98, 1.7]]
+    [[1.07, 0.82], [2.15, 1.65]]
     """
     variants = variants_of(scene, vary)
     unusual = [text for one in variants.made_of for text in unusual_values(one)]
