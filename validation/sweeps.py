@@ -2,7 +2,8 @@
 
 Ten loads, strengths and toughnesses each (strengths of 50 to 90 MPa, K_Ic of 0.8 to 1.6 MPa sqrt(m): Irwin's lengths
 over 13), on a plate with a circular hole, a V-notch or an edge crack. A decade of strengths and toughnesses each
-(Irwin's lengths over 10^4) is told, too: there every fourfold length is computed for itself. Required:
+(Irwin's lengths over 10^4) is told, too: there every fourfold length is computed for itself, and the longest cracks are
+longer than any cell. Required:
 
 - the CPU time of a thousand variants is at most three times that of one run at the longest Irwin's length, in the same
   process, and on the hole as a whole command;
@@ -67,7 +68,7 @@ CASES = (
     Case("V-notch", "v_notch.toml", "auto", ("load.stress", "1:10:10"), repeats=1),
     Case("edge crack", "edge_crack.toml", "auto", ("load.stress", "1:10:10")),
     Case("hole, decades", "circle.toml", "auto", STRAIN, DECADES, required=False, repeats=1),
-    Case("hole, decades", "circle.toml", "slmm+ac", STRAIN, DECADES, exact=True),
+    Case("hole, decades", "circle.toml", "slmm+ac", STRAIN, DECADES, required=False, exact=True),
 )
 
 
@@ -102,7 +103,7 @@ def in_one_process(case: Case) -> list[Check]:
     checks = [
         Check(name, f"CPU time of {count} variants over one run", SINGLE_RUNS, swept / single, rule=rule),
         Check(name, "CPU time of one run, s", float("nan"), single, rule="told"),
-        Check(name, "variants without a value", 0.0, float((result.status != "ok").sum()), rule="at most"),
+        Check(name, "variants without a value", 0.0, float((result.status != "ok").sum()), rule=rule),
     ]
     away, told = differences(case, variants, result, rows)
     if case.exact:
