@@ -35,7 +35,7 @@ from limits_cases import (
 )
 
 from slmm import Material, coupled_criterion, failure_indices
-from slmm.criteria.distances import line_method, point_method
+from slmm.criteria.distances import line_distance, line_stress, point_distance, point_stress
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -90,8 +90,8 @@ def beams() -> tuple[list[Row], list[Check]]:
         G_inc = np.pi * h / material.E * np.divide(steps, x, out=np.zeros_like(x), where=x > 0)
         found = coupled_criterion(x * h, G_inc, 1 - 2 * x, material)
         values = {
-            "point": point_method(eta, 1 - 2 * eta / h, material),
-            "line": line_method(eta, 1 - 2 * eta / h, material),
+            "point": float(point_stress(eta, 1 - 2 * eta / h, np.array([point_distance(material)]))[0]),
+            "line": float(line_stress(eta, 1 - 2 * eta / h, np.array([line_distance(material)]))[0]),
             "coupled criterion": material.sigma_c / found.load_factor,
         }
         rows += [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 
 import numpy as np
@@ -48,6 +49,8 @@ class BaseSystem:
         With rigid bodies at rest.
     solution : ndarray, shape (2 n + m,)
         Unknowns without cracks.
+    corrections : dict
+        What `slmm.boundary.part_corrections` has found of it, which no load changes.
 
     Raises
     ------
@@ -66,10 +69,9 @@ class BaseSystem:
             free_motions(np.column_stack([panels.z.real, panels.z.imag]), known.held), known, weight
         )
         self.solver: Solver = self._way()(self.equations, self.motions(panels.z), self._felt_motions)
-        here, turns = Targets.on(panels), max(1, panels.n * len(self.equations.points) // MOST_WEIGHTS)
-        places = np.array_split(np.arange(panels.n), turns)
-        given = np.concatenate([self.equations.given_displacement(here.chosen(rows)) for rows in places])
         self._solver: Solver = self.solver
+        self.corrections: dict[object, Array] = {}
+        given = self._given()
         if len(known.resultants):
             self._solver = WithRigid(self.solver, given[:, 1:], (known.motions * weight[:, None]).T)
         self.solution = self.solve(np.concatenate([-given[:, 0], known.resultants]))
@@ -85,6 +87,26 @@ class BaseSystem:
         from slmm.boundary.skeletonised import Skeletonised
 
         return Skeletonised
+
+    def under(self, known: Known) -> BaseSystem | None:
+        """The same with other loads, factorised as it is; None where they act elsewhere, or rigid bodies move."""
+        equations = Equations(self.panels, known, self.kappa, self.equations.size)
+        held = np.array_equal(known.held, self.equations.known.held)
+        if not held or len(known.resultants) or not np.array_equal(equations.acted, self.acted):
+            return None
+        other = copy.copy(self)
+        other.equations, other.tractions = equations, equations.tractions
+        z, weight = self.panels.z, np.repeat(np.abs(self.panels.dz), 2)
+        other._set_motions(free_motions(np.column_stack([z.real, z.imag]), known.held), known, weight)
+        other.solution = other.solve(-other._given()[:, 0])
+        return other
+
+    def _given(self) -> Array:
+        """The equations at its points by what is known, and by the motions (2 n, 1 + m)."""
+        n = self.panels.n
+        here, turns = Targets.on(self.panels), max(1, n * len(self.equations.points) // MOST_WEIGHTS)
+        places = np.array_split(np.arange(n), turns)
+        return np.concatenate([self.equations.given_displacement(here.chosen(rows)) for rows in places])
 
     @property
     def is_iterative(self) -> bool:

@@ -86,6 +86,16 @@ class Body:
         self.border = Border(self.base)
         self.of_base, self.removed = np.arange(len(self.panels.intervals)), np.empty(0, dtype=int)
 
+    def under(self, loading: Loading) -> Body:
+        """The same under other loads; where they act on the same stretches, what is factorised stays."""
+        known = known_at(self.panels, loading, self.scale)
+        base = None if self.base.panels is not self.panels else self.base.under(known)
+        if base is None:
+            return Body(self.part, self.material, loading, self.p, self.grading)
+        body = copy.copy(self)
+        body.loading, body.known, body.base, body.border = loading, known, base, Border(base)
+        return body
+
     def _take(self, panels: Panels) -> None:
         self.panels = panels
         self.known = known_at(panels, self.loading, self.scale)

@@ -100,6 +100,18 @@ def corrections(model: BoundaryModel, starts: Starts, tangents: Sequence[Tangent
 
     The places are Gauss points of the longest cracks.
     """
+    of_part = model.body.base.corrections
+    asked = (places, *(values.tobytes() for values in starts))
+    # panels of a divided part are none of the base system's
+    if model.body.base.panels is not model.panels:
+        return _corrections(model, starts, tangents, places)
+    if asked not in of_part:
+        of_part[asked] = _corrections(model, starts, tangents, places)
+    return of_part[asked]
+
+
+def _corrections(model: BoundaryModel, starts: Starts, tangents: Sequence[Tangent], places: int) -> Array:
+    """The same, computed."""
     body, panels = model.body, model.panels
     x = 0.5 * (1 + rule(places)[0])
     at = feet(model.part, panels, np.column_stack([starts.mouth.real, starts.mouth.imag]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.table import Table
@@ -29,9 +29,12 @@ from slmm.running.whole_file import whole_file
 
 if TYPE_CHECKING:
     from slmm.running.labelled import LabelledArrays
+    from slmm.scene.scene import Scene
 
 #: positions in the table
 LISTED = 10
+#: how files of sweeps may end
+SWEEP_FORMATS = (*RESULT_FORMATS, ".csv")
 
 
 def initiation(
@@ -102,8 +105,25 @@ def initiation(
             min=0.0005, max=0.5, help="Relative error of the failure index that method auto aims at."
         ),
     ] = None,
+    direction: Annotated[
+        str | None,
+        typer.Option(
+            help="normal, or best: cracks turn into the direction that needs the least load (method boundary)."
+        ),
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="Many loads and materials at once: load.strain=0.01:0.1:10 (start:stop:count, by factors with :log), "
+            "material.sigma_c=50,60,70; several of them are combined.",
+        ),
+    ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="OUT.nc", help="Write everything as netCDF.")
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="OUT.nc", help="Write everything as netCDF; with --vary also as .csv."
+        ),
     ] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="OUT.png", help="Draw the result (.png, .pdf or .svg).")
@@ -115,7 +135,7 @@ def initiation(
 ) -> None:
     """Failure indices along the notches of a scene."""
     with refusals():
-        check_target(output, RESULT_FORMATS, "-o")
+        check_target(output, SWEEP_FORMATS if vary else RESULT_FORMATS, "-o")
         check_target(plot, PICTURE_FORMATS, "--plot")
         flags = ResultFlags(material, young, poisson, strength, toughness, plane_strain, step, field)
         scene = scene_of(scene_file, flags, displacements)
@@ -123,6 +143,28 @@ def initiation(
             raise ValueError(f"--displacements {displacements}: there is no such file")
         inputs = [scene_file, database, displacements, *(getattr(hole, "file", None) for hole in scene.holes)]
         check_no_input(inputs, {"-o": output, "--plot": plot})
+        if vary:
+            for option, given in (("--plot", plot), ("--displacements", displacements)):
+                if given is not None:
+                    raise ValueError(f"{option}: goes with one scene; leave --vary out")
+            if not is_scene(scene_file, flags):
+                raise ValueError(
+                    f"--vary {vary[0]}: varies keys of a scene; give SCENE.toml in place of RESULTS"
+                )
+            _sweep(
+                scene,
+                vary,
+                output,
+                as_json,
+                method=method,
+                positions=positions,
+                database=database,
+                average=average,
+                tolerance=tolerance,
+                criterion=criterion,
+                direction=direction,
+            )
+            return
         with progress_bar() as progress, word_on_compilation():
             from slmm.initiation.failure import failure_arrays
 
@@ -138,6 +180,7 @@ def initiation(
                 displacements=displacements,
                 progress=progress,
                 field=field if is_scene(scene_file, flags) else None,
+                direction=direction,
             )
             result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
             if output is not None:
@@ -167,6 +210,34 @@ def initiation(
             raise typer.Exit(1)
         if conclude(result).is_open:
             raise typer.Exit(1)
+
+
+def _sweep(scene: Scene, vary: list[str], output: Path | None, as_json: bool, **asked: Any) -> None:
+    """All combinations of what keys take, as a table, JSON or a file."""
+    from slmm.scene.variants import parsed
+
+    keys = [parsed(text) for text in vary]
+    if twice := [key for k, (key, _) in enumerate(keys) if key in dict(keys[:k])]:
+        raise ValueError(f"--vary {twice[0]}: comes twice; give all its values at once, as {twice[0]}=1,2,3")
+    from slmm.command import sweep_table
+
+    with progress_bar() as progress, word_on_compilation():
+        from slmm.initiation.sweep import sweep_arrays
+
+        result = sweep_arrays(scene, dict(keys), progress=progress, **asked)
+        result.attrs["command"] = shlex.join(["slmm", *sys.argv[1:]])
+        if output is not None:
+            with whole_file(output) as unfinished:
+                if output.suffix.lower() == ".csv":
+                    sweep_table.write_csv(result, unfinished)
+                else:
+                    result.dataset().to_netcdf(unfinished, engine="netcdf4")
+    if as_json:
+        print(sweep_table.as_json(result))
+    else:
+        sweep_table.print_sweep(result)
+    if not sweep_table.is_answered(result):
+        raise typer.Exit(1)
 
 
 def _print_result(result: LabelledArrays) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numba import njit
 
-from slmm.criteria.coupled import BOTH, ENERGY, NONE, critical_load, stress_over_crack
+from slmm.criteria.coupled import BOTH, ENERGY, critical_load, stress_over_crack
 from slmm.criteria.path_curves import Critical, PathCurves
 from slmm.mechanics.material import Material
 
@@ -38,6 +40,12 @@ class Coupled:
         """See `criticals`."""
         return criticals(curves, material, self.average, complete)
 
+    def judge_each(
+        self, curves: PathCurves, materials: Sequence[Material], complete: np.ndarray | None = None
+    ) -> Critical:
+        """See `criticals_each`."""
+        return criticals_each(curves, materials, self.average, complete)
+
 
 def criticals(
     curves: PathCurves, material: Material, average: bool, complete: np.ndarray | None = None
@@ -47,34 +55,59 @@ def criticals(
     Where the load found lets the strength be exceeded all along the curves, longer cracks could need less: no value,
     unless a path is ``complete`` (n,), ie. goes through the whole ligament.
     """
-    found = Critical.empty(len(curves.a))
-    load_factor, length, error, code = found.load_factor, found.crack_length, found.error, found.governed_by
+    return criticals_each(curves, [material], average, complete).of(0)
+
+
+def criticals_each(
+    curves: PathCurves, materials: Sequence[Material], average: bool, complete: np.ndarray | None = None
+) -> Critical:
+    """The same for m materials of one elasticity, (m, n): these curves are computed once."""
+    n, m = len(curves.a), len(materials)
+    found = Critical.empty((m, n))
     with np.errstate(invalid="ignore"):
         strength = stress_over_crack(curves.a, curves.sigma_I, average)
         strength_error = _error_over_crack(curves, strength, average)
-    for i in np.flatnonzero(np.isfinite(curves.a[:, -1])):
-        open_end = complete is None or not complete[i]
-        load_factor[i], length[i], code[i] = critical_load(
-            curves.a[i], curves.G_inc[i], strength[i], material.G_c, material.sigma_c, not open_end
-        )
-        if open_end and strength[i, -1] > (1 + 1e-9) * material.sigma_c / load_factor[i]:
-            load_factor[i], length[i], code[i] = np.nan, np.nan, NONE
-            continue
-        if np.isinf(load_factor[i]):
-            # a crack that is closed from its mouth on is no matter of the stress's error
-            shut = np.any(strength[i] > 0) and not np.any(curves.G_inc[i] > 0)
-            error[i] = 0.0 if shut else _allowed_index(strength[i], strength_error[i], material)
-            continue
-        error[i] = _index_error(
-            curves.a[i],
-            curves.G_inc[i],
-            strength[i],
-            curves.G_error[i],
-            strength_error[i],
-            length[i],
-            code[i],
-        )
+    complete = np.zeros(n, dtype=bool) if complete is None else np.asarray(complete, dtype=bool)
+    limits = np.array([(material.sigma_c, material.G_c) for material in materials]).reshape(m, 2)
+    _judge(
+        curves.a,
+        curves.G_inc,
+        strength,
+        curves.G_error,
+        strength_error,
+        _allowed_stress(strength, strength_error),
+        complete,
+        limits,
+        found.load_factor,
+        found.crack_length,
+        found.error,
+        found.governed_by,
+    )
     return found
+
+
+@njit(cache=True)
+def _judge(
+    a, G_inc, strength, G_error, strength_error, allowed, complete, limits, load_factor, length, error, code
+):
+    """Fill load factors, lengths, errors and codes (m, n) for strengths and toughnesses (m, 2)."""
+    for i in range(len(a)):
+        if not np.isfinite(a[i, -1]):
+            continue
+        for k in range(len(limits)):
+            sigma_c, G_c = limits[k]
+            lf, at, governed = critical_load(a[i], G_inc[i], strength[i], G_c, sigma_c, complete[i])
+            if not complete[i] and strength[i, -1] > (1 + 1e-9) * sigma_c / lf:
+                continue
+            load_factor[k, i], length[k, i], code[k, i] = lf, at, governed
+            if np.isinf(lf):
+                # a crack that is closed from its mouth on is no matter of the stress's error
+                shut = np.any(strength[i] > 0) and not np.any(G_inc[i] > 0)
+                error[k, i] = 0.0 if shut else allowed[i] / sigma_c
+            else:
+                error[k, i] = _index_error(
+                    a[i], G_inc[i], strength[i], G_error[i], strength_error[i], at, governed
+                )
 
 
 def index_bounds(curves: PathCurves, material: Material) -> tuple[np.ndarray, np.ndarray]:
@@ -105,6 +138,19 @@ def index_bounds(curves: PathCurves, material: Material) -> tuple[np.ndarray, np
     return np.minimum(energy_low, stress_low).max(axis=1), np.minimum(larger, stress_high).max(axis=1)
 
 
+def middle_of_bounds(curves: PathCurves, material: Material) -> tuple[np.ndarray, np.ndarray]:
+    """Load factor (n,) of the middle of `index_bounds`, and half their distance as its relative error (n,).
+
+    Both are NaN where there are no bounds; where the middle is 0, the load factor is infinite.
+    """
+    low, high = index_bounds(curves, material)
+    known = np.isfinite(low) & np.isfinite(high)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        load_factor = np.where(known, 2 / (low + high), np.nan)
+        error = np.where(high > 0, (high - low) / (high + low), 0.0)
+    return load_factor, np.where(known, error, np.nan)
+
+
 def _error_over_crack(curves: PathCurves, strength: np.ndarray, average: bool) -> np.ndarray:
     """Relative error (n, CURVE_POINTS) of the stress over the crack from that of the stress at every depth.
 
@@ -117,13 +163,21 @@ def _error_over_crack(curves: PathCurves, strength: np.ndarray, average: bool) -
     return np.where(np.isinf(strength), curves.sigma_error, error)
 
 
-def _allowed_index(strength: np.ndarray, error: np.ndarray, material: Material) -> float:
-    """Largest failure index that the errors of the stress allow at a position that has none."""
-    finite = np.isfinite(strength)  # at a corner or a crack tip the mouth says nothing
-    allowed = strength[finite] + error[finite] * np.abs(strength[finite])
-    return float(np.maximum(np.max(allowed, initial=0.0), 0.0)) / material.sigma_c
+def _allowed_stress(strength: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Largest stress over a crack (n,) that its errors allow, MPa: over the strength, the index where there is none."""
+    # at a corner or a crack tip the mouth says nothing
+    with np.errstate(invalid="ignore"):
+        allowed = np.where(np.isfinite(strength), strength + error * np.abs(strength), 0.0)
+    return np.maximum(np.max(allowed, axis=1, initial=0.0), 0.0)
 
 
+@njit(cache=True)
+def _interval(a, length):
+    """Number of the point that ends the interval of the lengths in which one lies."""
+    return min(max(np.searchsorted(a, length), 1), len(a) - 1)
+
+
+@njit(cache=True)
 def _index_error(a, G_inc, strength, G_error, strength_error, length, code):
     """Relative error of the load factor from those of the curves at the critical length.
 
@@ -134,14 +188,14 @@ def _index_error(a, G_inc, strength, G_error, strength_error, length, code):
         return np.nan
     at = max(length, a[1])
     # the curve's interval around it decides the slopes; a crack of no length has only the stress
-    low, high = 0.8 * at, min(1.25 * at, a[-1])
-    near = np.unique(np.clip(np.searchsorted(a, [low, at, high]), 1, len(a) - 1))
-    e_G, e_s = np.max(G_error[near]), np.max(strength_error[near])
+    first, near = _interval(a, 0.8 * at), _interval(a, at)
+    last = _interval(a, min(1.25 * at, a[-1]))
+    e_G = max(G_error[first], G_error[near], G_error[last])
+    e_s = max(strength_error[first], strength_error[near], strength_error[last])
     if code == ENERGY:
         return 0.5 * e_G
-    if code != BOTH or len(near) < 2:
+    if code != BOTH or first == last:
         return e_s
-    first, last = near[0], near[-1]
     span = np.log(a[last] / a[first])
     q = np.log(max(G_inc[last], 1e-300) / max(G_inc[first], 1e-300)) / span
     p = np.log(max(strength[first], 1e-300) / max(strength[last], 1e-300)) / span

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -43,6 +44,29 @@ class Criterion(Protocol):
             Which paths go through the whole ligament: no crack can be longer.
         """
         ...
+
+
+@runtime_checkable
+class OfManyMaterials(Protocol):
+    """A criterion that has a quicker way for many materials than one after the other."""
+
+    def judge_each(
+        self, curves: PathCurves, materials: Sequence[Material], complete: np.ndarray | None = None
+    ) -> Critical:
+        """Load factors and their errors (m, n)."""
+        ...
+
+
+def judge_each(
+    criterion: Criterion,
+    curves: PathCurves,
+    materials: Sequence[Material],
+    complete: np.ndarray | None = None,
+) -> Critical:
+    """A criterion applied to n positions for m materials of one elasticity, (m, n)."""
+    if isinstance(criterion, OfManyMaterials):
+        return criterion.judge_each(curves, materials, complete)
+    return Critical.stacked([criterion.judge(curves, material, complete) for material in materials])
 
 
 CRITERIA: dict[str, Criterion] = {

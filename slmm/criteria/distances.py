@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -26,59 +27,54 @@ def line_distance(material: Material) -> float:
     return 2 * material.irwin_length / np.pi
 
 
-def point_method(eta: np.ndarray, sigma: np.ndarray, material: Material) -> float:
-    """Stress of the point method, MPa; NaN where the stress sinks to zero before its depth, or the path ends.
+def point_stress(eta: np.ndarray, sigma: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Stress (m,) at depths (m,), MPa; NaN where it sinks to zero on the way there, or the path ends.
 
     Parameters
     ----------
     eta, sigma : ndarray (n,)
         Depth from the surface, mm, and tensile stress, MPa; at a corner it is infinite at the surface.
-    material : Material
+    depth : ndarray (m,)
+        mm.
 
     Examples
     --------
-    A beam in bending, twice as high as the distance: the point lies on the neutral axis.
+    A beam in bending: the lower point lies on the neutral axis.
 
-    >>> material = Material(E=1000.0, nu=0.3, sigma_c=10.0, G_c=0.1)
-    >>> h = 2 * point_distance(material)
-    >>> eta = np.linspace(0, h, 50)
-    >>> point_method(eta, 1 - 2 * eta / h, material)
-    nan
+    >>> eta = np.linspace(0, 4.0, 50)
+    >>> point_stress(eta, 1 - eta / 2, np.array([1.0, 2.0])).round(9)
+    array([0.5, nan])
     """
-    d = point_distance(material)
-    return float(np.interp(d, eta, sigma)) if _carries(eta, sigma, d) else float("nan")
+    return np.where(_carries(eta, sigma, depth), np.interp(depth, eta, sigma), np.nan)
 
 
-def line_method(eta: np.ndarray, sigma: np.ndarray, material: Material) -> float:
-    """Stress of the line method, MPa; NaN where the stress sinks to zero within its distance, or the path ends.
+def line_stress(eta: np.ndarray, sigma: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Mean stress (m,) down to depths (m,), MPa; NaN where it sinks to zero on the way there, or the path ends.
 
-    Parameters are those of `point_method`.
+    Parameters are those of `point_stress`.
 
     Examples
     --------
-    >>> material = Material(E=1000.0, nu=0.3, sigma_c=10.0, G_c=0.1)
-    >>> round(line_method(np.array([0.0, 10.0]), np.array([2.0, 2.0]), material), 9)
-    2.0
+    >>> line_stress(np.array([0.0, 10.0]), np.array([2.0, 2.0]), np.array([4.0])).round(9)
+    array([2.])
     """
-    d = line_distance(material)
-    if not _carries(eta, sigma, d):
-        return float("nan")
     if np.isinf(sigma[0]):  # integrated as a power law from the corner on
         mean = stress_over_crack(eta[None], sigma[None], average=True)[0]
-        return float(np.interp(d, eta[1:], mean[1:]))
-    at = np.linspace(0, d, SAMPLES)
-    return float(np.trapezoid(np.interp(at, eta, sigma), at) / d)
+        found = np.interp(depth, eta[1:], mean[1:])
+    else:
+        at = depth[:, None] * np.linspace(0.0, 1.0, SAMPLES)
+        found = np.trapezoid(np.interp(at, eta, sigma), dx=1 / (SAMPLES - 1), axis=1)
+    return np.where(_carries(eta, sigma, depth), found, np.nan)
 
 
-def _carries(eta: np.ndarray, sigma: np.ndarray, distance: float) -> bool:
-    """Whether the stress is tensile all the way: else its mean cancels, and at a point it says nothing."""
-    ends_within = eta[-1] < distance * (1 - 1e-9)
+def _carries(eta: np.ndarray, sigma: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Whether (m,) the stress is tensile all the way: else its mean cancels, and at a point it says nothing."""
     # a stress that has sunk to round-off is zero
     finite = sigma[np.isfinite(sigma)]
     least = 1e-9 * np.abs(finite).max(initial=0.0)
-    return bool(
-        not ends_within and np.interp(distance, eta, sigma) > least and sigma[eta <= distance].min() > least
-    )
+    last = np.searchsorted(eta, depth, side="right") - 1
+    tension = (np.interp(depth, eta, sigma) > least) & (np.minimum.accumulate(sigma)[last] > least)
+    return (eta[-1] >= depth * (1 - 1e-9)) & tension
 
 
 @dataclass(frozen=True)
@@ -101,20 +97,34 @@ class CriticalDistance:
 
     def judge(self, curves: PathCurves, material: Material, complete: np.ndarray | None = None) -> Critical:
         """Apply it to every position that has curves; those that end before the distance have no value."""
-        found = Critical.empty(len(curves.a))
-        depth, method = self.depth(material), line_method if self.line else point_method
+        return self.judge_each(curves, [material], complete).of(0)
+
+    def judge_each(
+        self, curves: PathCurves, materials: Sequence[Material], complete: np.ndarray | None = None
+    ) -> Critical:
+        """The same for m materials, (m, n)."""
+        found = Critical.empty((len(materials), len(curves.a)))
+        depth = np.array([self.depth(material) for material in materials])
+        sigma_c = np.array([material.sigma_c for material in materials])
         for i in np.flatnonzero(np.isfinite(curves.a[:, -1]) & np.isfinite(curves.sigma_I[:, -1])).tolist():
             a, sigma = curves.a[i], curves.sigma_I[i]
-            if a[-1] < depth * (1 - 1e-9):
-                if complete is not None and complete[i]:
-                    found.refused[i] = Status.TOO_DEEP
-                continue
+            reached = a[-1] >= depth * (1 - 1e-9)
+            if complete is not None and complete[i]:
+                found.refused[~reached, i] = Status.TOO_DEEP
+            rows = np.flatnonzero(reached)
+            value = self._stress(a, sigma, depth[rows])
+            found.refused[rows[np.isnan(value)], i] = Status.TOO_DEEP
             finite = np.isfinite(sigma)
-            within = finite & (a <= depth * (1 + 1e-9))
-            error = float(np.max(curves.sigma_error[i, within] * np.abs(sigma[within]), initial=0.0))
-            value = float(sigma[finite][0]) if (sigma[finite] <= 0).all() else method(a, sigma, material)
-            if np.isnan(value):
-                found.refused[i] = Status.TOO_DEEP
-                continue
-            found.put_stress(i, value, error, material.sigma_c)
+            by_depth = np.where(finite, curves.sigma_error[i] * np.abs(np.where(finite, sigma, 0.0)), 0.0)
+            last = np.searchsorted(a, depth[rows] * (1 + 1e-9), side="right") - 1
+            error = np.maximum.accumulate(by_depth)[last]
+            known = ~np.isnan(value)
+            found.put_stress((rows[known], i), value[known], error[known], sigma_c[rows[known]])
         return found
+
+    def _stress(self, a: np.ndarray, sigma: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """Stress (m,) that decides at each depth (m,), MPa; NaN where it sinks to zero before."""
+        finite = sigma[np.isfinite(sigma)]
+        if (finite <= 0).all():
+            return np.full(len(depth), finite[0])
+        return (line_stress if self.line else point_stress)(a, sigma, depth)

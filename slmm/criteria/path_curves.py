@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +53,7 @@ class PathCurves:
 
 @dataclass(frozen=True)
 class Critical:
-    """The criterion applied to n positions.
+    """The criterion applied to n positions, or with m materials to each of them: then all arrays are (m, n).
 
     Attributes
     ----------
@@ -73,17 +75,31 @@ class Critical:
     refused: np.ndarray
 
     @classmethod
-    def empty(cls, n: int) -> Critical:
+    def empty(cls, shape: int | tuple[int, int]) -> Critical:
         """No value anywhere."""
-        nothing = np.full(n, np.nan)
-        return cls(nothing, nothing.copy(), np.full(n, NONE), nothing.copy(), np.full(n, "", dtype=object))
+        nothing = np.full(shape, np.nan)
+        return cls(
+            nothing, nothing.copy(), np.full(shape, NONE), nothing.copy(), np.full(shape, "", dtype=object)
+        )
 
-    def put_stress(self, i: int, stress: float, error: float, sigma_c: float) -> None:
-        """The value of a position where one stress decides, with its error, MPa; without tension, what there may be."""
-        if stress > 0:
-            self.load_factor[i], self.governed_by[i], self.error[i] = sigma_c / stress, STRESS, error / stress
-        else:
-            self.load_factor[i], self.error[i] = np.inf, max(stress + error, 0.0) / sigma_c
+    def of(self, material: int) -> Critical:
+        """What was found for one of the materials."""
+        return Critical(*(getattr(self, field.name)[material] for field in fields(self)))
+
+    @classmethod
+    def stacked(cls, by_material: Sequence[Critical]) -> Critical:
+        """What was found for each material alone, as (m, n)."""
+        return cls(*(np.stack([getattr(one, field.name) for one in by_material]) for field in fields(cls)))
+
+    def put_stress(
+        self, at: tuple[Any, ...], stress: np.ndarray, error: np.ndarray, sigma_c: np.ndarray | float
+    ) -> None:
+        """Values (k,) at places where one stress decides, with its error, MPa; without tension, what there may be."""
+        tension = stress > 0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.load_factor[at] = np.where(tension, sigma_c / stress, np.inf)
+            self.error[at] = np.where(tension, error / stress, np.maximum(stress + error, 0.0) / sigma_c)
+        self.governed_by[at] = np.where(tension, STRESS, NONE)
 
 
 def path_points(a_max: np.ndarray) -> np.ndarray:

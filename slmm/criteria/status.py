@@ -44,7 +44,7 @@ class Status(StrEnum):
     NEAR_SINGULAR = "a corner or crack tip is so near that the stress depends on the mesh"
     TOUCHED = "no notch of its own: something else touches its tip"
     MIXED = "mixed mode: the stress beside the root exceeds the root's by {:.2g} of it"
-    NOT_ASYMPTOTIC = "crack of {:.3g} mm longer than {:g} of the clear distance around the notch, {:.3g} mm"
+    NOT_ASYMPTOTIC = "crack of {} mm longer than {} of the clear distance around the notch, {} mm"
 
     def of(self, *what: object) -> str:
         """The words with what they are about."""

@@ -56,11 +56,9 @@ class Strength:
     def judge(self, curves: PathCurves, material: Material, complete: np.ndarray | None = None) -> Critical:
         """Apply it to every position that has a stress at its mouth."""
         found = Critical.empty(len(curves.a))
-        for i, sigma in enumerate(curves.sigma_I[:, 0]):
-            if np.isinf(sigma):
-                found.refused[i] = Status.SINGULAR
-            elif np.isfinite(sigma):
-                found.put_stress(
-                    i, float(sigma), float(curves.sigma_error[i, 0] * abs(sigma)), material.sigma_c
-                )
+        sigma = curves.sigma_I[:, 0]
+        found.refused[np.isinf(sigma)] = Status.SINGULAR
+        known = np.flatnonzero(np.isfinite(sigma))
+        error = curves.sigma_error[known, 0] * np.abs(sigma[known])
+        found.put_stress((known,), sigma[known], error, material.sigma_c)
         return found

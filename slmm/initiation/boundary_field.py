@@ -14,6 +14,7 @@ from slmm.boundary.panelling import Panelling
 from slmm.boundary.stretches import FINE, boundary_of
 from slmm.initiation.raster import rasterised
 from slmm.initiation.uncracked import Raster
+from slmm.scene.loading import Loading
 
 #: Gauss points on a panel, and on those of the model that the error is told from (chosen)
 ORDER, LOWER_ORDER = 10, 8
@@ -69,6 +70,15 @@ class BoundaryField:
             return BoundaryModel(old.part, old.material, old.loading, old.p, model.crack_p, body)
 
         return BoundaryField(self.scene, finer(self.model), finer(self.lower))
+
+    def under(self, loading: Loading) -> BoundaryField:
+        """The same part under other loads; where they act on the same stretches, what is factorised stays."""
+
+        def loaded(model: BoundaryModel) -> BoundaryModel:
+            body = model.body.under(loading)
+            return BoundaryModel(model.part, body.material, loading, body.p, model.crack_p, body)
+
+        return BoundaryField(self.scene, loaded(self.model), loaded(self.lower))
 
     def displacement(self, points: np.ndarray) -> np.ndarray:
         """Displacements (k, 2) at points (k, 2), mm."""

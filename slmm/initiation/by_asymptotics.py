@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slmm.criteria.coupled import ENERGY, NONE
 from slmm.criteria.griffith import energy_release_rate
 from slmm.criteria.path_curves import PathCurves, path_points
 from slmm.criteria.status import Status
@@ -16,6 +15,7 @@ from slmm.fem.triangulation import MesherError
 from slmm.initiation.asymptotics import GeneralisedIntensity, generalised_intensity, sharp_curves
 from slmm.initiation.blunted import blunted_curves, intensity_from_root_stress
 from slmm.initiation.body_fitted import BodyFitted, solve_body_fitted
+from slmm.initiation.evidence import Stands
 from slmm.initiation.task import Answer, Task
 from slmm.initiation.v_notch_table import load_v_notches
 from slmm.initiation.v_notches import VNotch, notch_at
@@ -102,7 +102,7 @@ def by_griffith(task: Task) -> Answer:
             error = 2 * np.abs(K) @ change / (K @ K)
             mouth = np.zeros((1, 1))
             curves = PathCurves(mouth, mouth + G, mouth + np.inf, mouth + error, mouth)
-            answer.put(np.array([i]), task.criterion.judge(curves, material), Status.NO_CRACK)
+            answer.weigh(np.array([i]), curves, task, Status.NO_CRACK)
     return answer
 
 
@@ -292,23 +292,16 @@ def stress_above_root(stress: np.ndarray) -> float:
 
 def _judge(task: Task, answer: Answer, i: int, notch: VNotch, curves_at: CurvesAt) -> None:
     """Apply the criterion, once more with a longer path where it ends too early; refuse what is not asymptotic."""
+    longest = ASYMPTOTIC * notch.clear
+    beyond = Status.NOT_ASYMPTOTIC.of("{}", f"{ASYMPTOTIC:g}", f"{notch.clear:.3g}")
+    # any crack would do that the stress allows at the critical load: what lies farther inside the body decides which
+    stands = Stands.below(np.array([longest]), beyond, any_length=True)
     for paths in (task.paths, task.paths.lengthened()):
         curves = curves_at(path_points(paths.longest[i : i + 1]))
-        answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH)
-        if answer.status[i] == Status.OK:
+        answer.judge(np.array([i]), curves, task, Status.BEYOND_PATH, stands=stands)
+        if answer.status[i] != Status.BEYOND_PATH:
             break
-    length = max(np.nan_to_num(answer.crack_length[i]), task.criterion.depth(task.scene.material))
-    if answer.governed_by[i] == ENERGY and "stress" in task.criterion.needs:
-        # any crack would do that the stress allows at this load: what lies farther inside the body decides which
-        allowed = curves.sigma_I[0] * answer.load_factor[i] >= task.scene.material.sigma_c
-        length = curves.a[0, allowed].max()
-        answer.error[i] = 0.5 * curves.G_error[0, allowed].max()
-    if length > ASYMPTOTIC * notch.clear:
-        answer.status[i] = Status.NOT_ASYMPTOTIC.of(length, ASYMPTOTIC, notch.clear)
-        for values in (answer.load_factor, answer.crack_length, answer.error):
-            values[i] = np.nan
-        answer.governed_by[i] = NONE
     if answer.status[i] != Status.OK:
         # what the notch alone does say stays, as bounds
-        within = min(task.paths.longest[i], ASYMPTOTIC * notch.clear)
+        within = min(task.paths.longest[i], longest)
         answer.curves.put(np.array([i]), curves_at(path_points(np.array([within]))))

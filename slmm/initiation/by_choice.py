@@ -27,7 +27,7 @@ from time import perf_counter
 import numpy as np
 
 from slmm.criteria.coupled import NONE
-from slmm.criteria.coupled_curves import index_bounds
+from slmm.criteria.coupled_curves import middle_of_bounds
 from slmm.criteria.status import Status
 from slmm.initiation.cell_errors import reference_stress
 from slmm.initiation.task import Answer, Task
@@ -318,12 +318,9 @@ def _cells_or_strength(task: Task) -> Answer:
 
 def _take_bounds(found: Answer, task: Task) -> None:
     """Where curves ended too early: the middle of the bounds that they give, and half the difference as an error."""
-    low, high = index_bounds(found.curves, task.scene.material)
-    rows = np.flatnonzero((found.status != Status.OK) & np.isfinite(low) & np.isfinite(high))
-    low, high = low[rows], high[rows]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found.load_factor[rows] = 2 / (low + high)
-        found.error[rows] = np.where(high > 0, (high - low) / (high + low), 0.0)
+    load_factor, error = middle_of_bounds(found.curves, task.scene.material)
+    rows = np.flatnonzero((found.status != Status.OK) & ~np.isnan(load_factor))
+    found.load_factor[rows], found.error[rows] = load_factor[rows], error[rows]
     found.crack_length[rows], found.governed_by[rows] = np.nan, NONE
     found.status[rows], found.method[rows] = Status.OK, BOUNDS
 

@@ -12,6 +12,7 @@ from slmm.fem.triangulation import MesherError
 from slmm.initiation.body_fitted import ANGLE_MAX, BodyFitted, solve_body_fitted
 from slmm.initiation.cell_errors import faded, reference_stress
 from slmm.initiation.dislocations import DislocationCurves, DislocationModel
+from slmm.initiation.evidence import Stands
 from slmm.initiation.meta_model import polynomial_matrix
 from slmm.initiation.positions import is_within
 from slmm.initiation.task import Answer, Task
@@ -33,6 +34,8 @@ SAMPLED_LIGAMENT = 0.6
 #: a critical crack shorter than this share of the longest one is looked at again, with this multiple of it as the
 #: longest; both chosen
 SHORT, CLOSE_UP = 0.1, 4.0
+#: longest cracks that are tried for a position; chosen
+ATTEMPTS = 3
 #: on what the extrapolation changed, and what is always there, as a share of the reference stress; chosen such that
 #: more than nineteen errors of twenty lie below, and near what a fit gives (validation/fit_dislocation_errors.py)
 SAFETY, ENERGY_FLOOR, STRESS_FLOOR = 1.2, 3.2e-4, 1.6e-4
@@ -97,7 +100,7 @@ def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndar
     dislocations = DislocationModel(scene, model, len(rows))
     radius, reference = answer.column("reference_radius"), reference_stress(scene)
     left, longest = rows, task.paths.longest.copy()
-    for attempt in range(3):
+    for attempt in range(ATTEMPTS):
         if not len(left):
             break
         task.progress(0.2 + 0.2 * attempt, f"dislocations, {len(left)} positions")
@@ -112,7 +115,11 @@ def dislocations_on(model: BodyFitted, task: Task, answer: Answer, rows: np.ndar
             ]
             for i, found in zip(chunk, dislocations.curves(trials), strict=True):
                 radius[i] = found.radius
-                answer.judge(np.array([i]), sampled(found, reference), task, Status.BEYOND_DISLOCATIONS)
+                curves = sampled(found, reference)
+                stands = Stands.everywhere(1)
+                if attempt < ATTEMPTS - 1:
+                    stands.shortest[:] = SHORT * curves.a[:, -1]
+                answer.judge(np.array([i]), curves, task, Status.BEYOND_DISLOCATIONS, stands=stands)
         # once more with longer cracks where they are too short and may be longer, or with samples nearer to short ones
         reached = answer.curves.a[:, -1]
         longer = (answer.status == Status.BEYOND_DISLOCATIONS) & (reached > 0.999 * longest)

@@ -3,42 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from slmm.criteria.coupled_curves import Coupled
-from slmm.criteria.criterion import CRITERIA, Criterion
-from slmm.criteria.status import Status
 from slmm.initiation.bounds import upper_bounds
 from slmm.initiation.labelled_answer import labelled
-from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS, SOURCES
-from slmm.initiation.paths import trial_paths
-from slmm.initiation.peaks import LEAST_RISE, find_peaks, positions_at, tops
-from slmm.initiation.positions import FEW, Positions, find_positions, positions_on
-from slmm.initiation.settings import DEFAULT, PUBLISHED, Settings
-from slmm.initiation.task import Answer, Task
-from slmm.initiation.uncracked import UncrackedField
-from slmm.running.cell_file import shipped_database
+from slmm.initiation.question import posed
+from slmm.initiation.settings import Settings
 from slmm.running.labelled import LabelledArrays
 from slmm.running.progress import Progress, silent
 from slmm.scene.plausible import UnusualValueWarning, unusual_values
 from slmm.scene.scene import Scene
+from slmm.scene.variants import Values
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from slmm.mechanics.material import Material
-
-#: times that positions are added where the index is largest; chosen
-ROUNDS = 4
-
-#: where cracks go
-DIRECTIONS = ("normal", "best")
-
-SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
 
 
 def failure_indices(
@@ -54,9 +36,10 @@ def failure_indices(
     progress: Progress = silent,
     field: str | None = None,
     criterion: str | None = None,
-    direction: str = "normal",
+    direction: str | None = None,
     model: Any = None,
     material: Material | str | None = None,
+    vary: Mapping[str, Values] | None = None,
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
@@ -97,14 +80,17 @@ def failure_indices(
     criterion : str, optional
         One of `CRITERIA` ("rankine", "point", "line", "griffith") in place of the coupled one, on what a method finds
         that is no criterion itself: ("dislocations", criterion="point"). By default what the scene asks for.
-    direction : {"normal", "best"}
+    direction : {"normal", "best"}, optional
         Cracks run normal to the surface, along the bisector of a corner and straight on from a tip, or turned into the
-        direction that needs the least load (method "boundary").
+        direction that needs the least load (method "boundary"). By default what the scene asks for.
     model : path, DisplacementField or (points, cells, u), optional
         A solved finite element model of a part without cracks, in place of a scene: outlines and load follow from it,
         see `slmm.initiation.solved_scene`. The method is then "boundary", unless another one is given.
     material : Material or str, optional
         Of the model, or its name.
+    vary : mapping of str to values, optional
+        Keys of the scene and what they take, as ``{"load.strain": [0.01, 0.02], "material.sigma_c": "50:80:4"}``, see
+        `slmm.scene.variants.variants_of`: the most critical place of each combination, see `slmm.initiation.sweep`.
 
     Returns
     -------
@@ -113,6 +99,7 @@ def failure_indices(
         and says why; it is 0 where the path carries no tension. ``failure_index_error`` is what the method estimates
         as its error, in the same unit; NaN where it has no estimate. ``failure_index_bound`` is what the index is at
         most: value and error, or, where there is no value, what the strength allows; infinite where nothing is known.
+        With ``vary`` its keys are the dimensions, without positions.
 
     Warns
     -----
@@ -148,6 +135,25 @@ def failure_indices(
         scene, field = solved_scene(model, material, field), None
     elif material is not None:
         raise ValueError("failure_indices: material belongs to a model; a scene has its own")
+    if vary is not None:
+        from slmm.initiation.sweep import sweep_arrays
+
+        if curves or model is not None or displacements is not None:
+            given = "curves" if curves else "a model" if model is not None else "displacements"
+            raise ValueError(f"vary: goes with a scene alone, not with {given}")
+        return sweep_arrays(
+            scene,
+            vary,
+            method,
+            positions,
+            settings,
+            database,
+            average,
+            tolerance,
+            progress,
+            criterion,
+            direction,
+        ).dataset()
     return failure_arrays(
         scene,
         method,
@@ -178,58 +184,26 @@ def failure_arrays(
     progress: Progress = silent,
     field: str | None = None,
     criterion: str | None = None,
-    direction: str = "normal",
+    direction: str | None = None,
 ) -> LabelledArrays:
     """What `failure_indices` makes a dataset of, for who only prints it and need not wait for xarray to load."""
     for text in unusual_values(scene):
         warnings.warn(text, UnusualValueWarning, stacklevel=3)  # at the caller of failure_indices
-    analysis = scene.analysis
-    method = analysis.method if method is None else method
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r}: available are {', '.join(METHODS)}")
-    if criterion is None and METHODS[method].criterion == "coupled":
-        criterion = analysis.criterion
-    judge = chosen_criterion(method, criterion, analysis.average if average is None else average)
-    settings = analysis.settings if settings is None else settings
-    if isinstance(settings, str):
-        if settings not in SETTINGS:
-            raise ValueError(f"settings = {settings!r}: available are {', '.join(SETTINGS)}")
-        settings = SETTINGS[settings]
-    # the paper's way has the positions it was given
-    spread = analysis.positions if positions is None else positions
-    refined = (positions is not None or analysis.points is None) and spread >= FEW and settings != PUBLISHED
-    where = find_positions(scene, positions)
-    if displacements is None and field is not None:
-        raise ValueError(f"field = {field!r}: belongs to displacements from a file, and none is given")
-    given = None if displacements is None else _given(displacements, method, scene, where, field)
-    task = Task(
+    question = posed(
         scene,
-        where,
-        trial_paths(scene, where),
-        judge,
-        analysis.tolerance if tolerance is None else tolerance,
+        method,
+        positions,
         settings,
-        Path(database) if database is not None else shipped_database(),
-        given,
+        database,
+        average,
+        tolerance,
+        displacements,
         progress,
+        field,
+        criterion,
+        direction,
     )
-    source = SOURCES[METHODS[method].source]
-    if direction not in DIRECTIONS:
-        raise ValueError(f"direction = {direction!r}: must be one of {', '.join(DIRECTIONS)}")
-    ask = source.answer
-    if direction == "best":
-        if not source.turns:
-            raise ValueError(f"direction = 'best': the method {method} turns no cracks; boundary does")
-        from slmm.initiation.turned import in_best_direction
-
-        ask = in_best_direction(ask)
-    if severed := scene.part.is_severed:
-        answer = Answer.empty(task.n, "none")
-        answer.status[:] = Status.SEVERED
-    else:
-        answer = ask(task)
-    if refined and not severed:
-        task, answer = with_peaks(task, answer, ask)
+    task, answer = question.answered()
     if any(outline.accuracy is not None for outline in scene.outlines):
         from slmm.initiation.outline_error import add_outline_error  # imports asymptotics
 
@@ -240,83 +214,15 @@ def failure_arrays(
 
         add_solved_error(task, answer)
     bound = upper_bounds(task, answer)
-    facts: dict[str, object] = {"method": method}
-    if criterion is not None:
-        facts["criterion"] = criterion
-    if severed:
+    facts = dict(question.facts)
+    if scene.part.is_severed:
         facts["pieces"] = len(scene.part.pieces)
     if answer.cost:
         facts["cost"] = "; ".join(
             f"{name}: {count} positions in {seconds:.2g} s" for name, (count, seconds) in answer.cost.items()
         )
-    if given is not None:
-        facts["displacements"] = given.described.get("displacements", given.described["local_model"])
+    if task.displacements is not None:
+        described = task.displacements.described
+        facts["displacements"] = described.get("displacements", described["local_model"])
     progress(1.0, "done")
     return labelled(task, answer, bound, curves, facts)
-
-
-def chosen_criterion(method: str, name: str | None, average: bool) -> Criterion:
-    """The criterion of a method, or another one in its place.
-
-    Raises
-    ------
-    ValueError
-        When there is none of the name, the method is one criterion and no other, or gives less than it needs.
-    """
-    own = METHODS[method].criterion
-    if name is None or name == own:
-        return Coupled(average) if own == "coupled" else CRITERIA[own]
-    if own != "coupled":
-        raise ValueError(
-            f"criterion = {name!r}: the method {method} is one itself; ask another method for it"
-        )
-    if name not in CRITERIA:
-        raise ValueError(f"criterion = {name!r}: available are {', '.join(CRITERIA)}")
-    if average:
-        raise ValueError(f"average: belongs to the coupled criterion, not to {name}")
-    wanted = CRITERIA[name]
-    if lacking := wanted.needs - SOURCES[METHODS[method].source].gives:
-        raise ValueError(
-            f"criterion = {name!r}: the method {method} gives no {' and no '.join(sorted(lacking))}"
-        )
-    return wanted
-
-
-def with_peaks(task: Task, answer: Answer, method: Callable[[Task], Answer]) -> tuple[Task, Answer]:
-    """The task and its answer with further positions, until the estimates cover the peaks between positions.
-
-    What they still do not cover after `ROUNDS` is added to the estimate.
-    """
-    for left in reversed(range(ROUNDS + 1)):
-        with np.errstate(divide="ignore"):
-            index = np.where(answer.status == Status.OK, 1 / answer.load_factor, np.nan)
-        peaks = find_peaks(task.scene, task.where, index, answer.index_error, answer.crack_length)
-        if not peaks:
-            rows = tops(task.where, index)
-            answer.error[rows] = np.maximum(answer.error[rows], LEAST_RISE)
-            break
-        if not left:
-            for peak in peaks:
-                answer.error[peak.row] += peak.rise / index[peak.row]
-            break
-        hole, s = positions_at(peaks, task.where)
-        task.progress(0.9, f"{len(s)} positions more, where the index is largest")
-        further = task.at(positions_on(task.scene, hole, s, np.full(len(s), -1)))
-        both = Positions(*(np.concatenate(pair) for pair in zip(task.where, further.where, strict=True)))
-        # crack tips, which have no outline, stay behind all outlines
-        order = np.lexsort((np.nan_to_num(both.s), np.where(both.hole < 0, np.inf, both.hole)))
-        answer = answer.with_more(method(further), order)
-        task = task.at(Positions(*(values[order] for values in both)))
-    return task, answer
-
-
-def _given(
-    displacements: Any, method: str, scene: Scene, where: Positions, field: str | None
-) -> UncrackedField:
-    if method not in ON_DISPLACEMENTS:
-        raise ValueError(
-            f"method = {method!r}: takes no displacements; those that do are {', '.join(ON_DISPLACEMENTS)}"
-        )
-    from slmm.initiation.given_field import given_field  # imports the readers of result files
-
-    return given_field(displacements, scene, where, field)

@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from slmm.initiation.task import Answer, Task
 
 
+#: shortest Irwin's length for which curves still serve, over that of the material they were computed for: trial cracks
+#: are as much too long elsewhere (`slmm.initiation.paths.LONGER`); and of the stress alone, which is smoother; chosen
+SERVES, STRESS_SERVES = 0.25, 1 / 16
+
+
 @dataclass(frozen=True)
 class Source:
     """Where energy and stress along the paths come from.
@@ -28,12 +33,16 @@ class Source:
         Whether it can take the uncracked part from the user's own displacements.
     turns : bool
         Whether paths may go in any direction.
+    serves : float
+        Down to which Irwin's length, over that of the material that they were computed for, its curves serve others; 0
+        where they do not depend on it.
     """
 
     answer: Callable[[Task], Answer]
     gives: frozenset[str]
     on_displacements: bool = False
     turns: bool = False
+    serves: float = SERVES
 
 
 def _from(module: str, function: str, **options: Any) -> Callable[[Task], Answer]:
@@ -49,11 +58,16 @@ def _from(module: str, function: str, **options: Any) -> Callable[[Task], Answer
 CURVES = frozenset({"stress", "energy"})
 
 SOURCES: dict[str, Source] = {
-    "stress": Source(_from("by_stress", "by_stress"), frozenset({"stress", "equivalent stress"}), True),
-    "held cells": Source(_from("by_cells", "by_cells", auto_control=False), CURVES, True),
-    "cells": Source(_from("by_cells", "by_cells", auto_control=True), CURVES, True),
+    "stress": Source(
+        _from("by_stress", "by_stress"),
+        frozenset({"stress", "equivalent stress"}),
+        True,
+        serves=STRESS_SERVES,
+    ),
+    "held cells": Source(_from("by_cells", "by_cells", auto_control=False), CURVES, True, serves=0.0),
+    "cells": Source(_from("by_cells", "by_cells", auto_control=True), CURVES, True, serves=0.0),
     "asymptotics": Source(_from("by_asymptotics", "by_asymptotics"), CURVES),
-    "crack tips": Source(_from("by_asymptotics", "by_griffith"), frozenset({"energy"})),
+    "crack tips": Source(_from("by_asymptotics", "by_griffith"), frozenset({"energy"}), serves=0.0),
     "trial cracks": Source(_from("by_boundary", "by_boundary"), CURVES, turns=True),
     "dislocations": Source(_from("by_dislocations", "by_dislocations"), CURVES),
     "full FEA": Source(_from("by_full_fea", "by_full_fea"), CURVES),

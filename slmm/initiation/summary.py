@@ -44,8 +44,8 @@ def by_criticality(result: LabelledArrays | xr.Dataset) -> list[int]:
 
 
 def status_counts(result: LabelledArrays | xr.Dataset) -> dict[str, int]:
-    """Number of positions by status, the most frequent first."""
-    return dict(Counter(str(status) for status in result["status"].values).most_common())
+    """Number of positions, or variants of a sweep, by status, the most frequent first."""
+    return dict(Counter(str(status) for status in result["status"].values.ravel()).most_common())
 
 
 def method_used(result: LabelledArrays | xr.Dataset, i: int) -> str:

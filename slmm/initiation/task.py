@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,9 @@ import numpy as np
 from slmm.criteria.coupled import NONE
 from slmm.criteria.coupled_curves import Coupled
 from slmm.criteria.criterion import Criterion
-from slmm.criteria.path_curves import Critical, PathCurves
+from slmm.criteria.path_curves import PathCurves
 from slmm.criteria.status import Status
+from slmm.initiation.evidence import Evidence, Found, Stands, nothing_found
 from slmm.initiation.paths import Paths, trial_paths
 from slmm.initiation.positions import Positions
 from slmm.initiation.settings import Settings
@@ -43,6 +45,8 @@ class Task:
     progress : callable
     solved : dict
         Local models that have been solved on the way, by their kind.
+    for_shorter : bool
+        Whether curves are to serve materials with a shorter Irwin's length, too.
     """
 
     scene: Scene
@@ -55,6 +59,7 @@ class Task:
     displacements: UncrackedField | None
     progress: Progress
     solved: dict[str, Any] = field(default_factory=dict)
+    for_shorter: bool = False
 
     @property
     def n(self) -> int:
@@ -100,6 +105,8 @@ class Answer:
     status, method, reason : ndarray (n,) of str
         "ok" or why there is no value; which method gave it; why this one.
     curves : PathCurves
+    evidence : ndarray (n,) of tuple
+        What the criterion has been applied to, see `slmm.initiation.evidence.Found`.
     columns : dict of str to ndarray (n,)
         What only some methods have.
     source : str
@@ -118,6 +125,7 @@ class Answer:
     method: np.ndarray
     reason: np.ndarray
     curves: PathCurves
+    evidence: np.ndarray
     columns: dict[str, np.ndarray] = field(default_factory=dict)
     source: str = "none"
     provenance: dict[str, dict[str, object]] = field(default_factory=dict)
@@ -142,6 +150,7 @@ class Answer:
             method=text(method),
             reason=text(""),
             curves=PathCurves.empty(n),
+            evidence=nothing_found(n),
             source=method,
         )
 
@@ -169,8 +178,9 @@ class Answer:
         task: Task,
         too_short: str,
         complete: np.ndarray | None = None,
+        stands: Stands | None = None,
     ) -> None:
-        """Apply the task's criterion to the curves of some positions.
+        """Apply the task's criterion to the curves of some positions, and keep them.
 
         Parameters
         ----------
@@ -183,18 +193,40 @@ class Answer:
             The status where the curves end before both conditions meet.
         complete : ndarray (n,) of bool, optional
             Which paths go through the whole ligament.
+        stands : Stands, optional
+            For which cracks the curves stand; by default for all within them.
         """
-        self.put(rows, task.criterion.judge(curves, task.scene.material, complete), too_short)
+        self.weigh(rows, curves, task, too_short, complete, stands)
         self.curves.put(rows, curves)
 
-    def put(self, rows: np.ndarray, found: Critical, too_short: str) -> None:
-        """Take over what a criterion found at some positions; ``too_short`` is the status where curves end early."""
-        self.load_factor[rows] = found.load_factor
-        self.crack_length[rows] = found.crack_length
-        self.governed_by[rows] = found.governed_by
-        self.error[rows] = found.error
-        why = np.where(found.refused == "", too_short, found.refused)
-        self.status[rows] = np.where(np.isnan(found.load_factor), why, Status.OK)
+    def weigh(
+        self,
+        rows: np.ndarray,
+        curves: PathCurves,
+        task: Task,
+        too_short: str,
+        complete: np.ndarray | None = None,
+        stands: Stands | None = None,
+    ) -> None:
+        """Apply the task's criterion as `judge` does, to curves at points of their own, which are not kept as such."""
+        k = len(rows)
+        complete = np.zeros(k, dtype=bool) if complete is None else complete
+        evidence = Evidence(curves, stands or Stands.everywhere(k), complete, too_short, self.source)
+        judged = evidence.judged(task.criterion, [task.scene.material])
+        self._keep(rows, [((evidence, i),) for i in range(k)])
+        critical = judged.critical.of(0)
+        self.load_factor[rows] = critical.load_factor
+        self.crack_length[rows] = critical.crack_length
+        self.governed_by[rows] = critical.governed_by
+        self.error[rows] = critical.error
+        self.status[rows] = judged.status[0]
+
+    def _keep(self, rows: np.ndarray, found: Sequence[Found]) -> None:
+        """Put evidence behind what did not suffice, and in place of what did: it is better."""
+        for i, more in zip(np.asarray(rows).tolist(), found, strict=True):
+            before: Found = self.evidence[i]
+            sufficed = self.status[i] == Status.OK and any(e.method == self.method[i] for e, _ in before)
+            self.evidence[i] = more if sufficed else (*before, *more)
 
     @property
     def index_error(self) -> np.ndarray:
@@ -230,6 +262,7 @@ class Answer:
         return Answer(
             **{name: getattr(self, name)[rows] for name in names},
             curves=self.curves.rows(rows),
+            evidence=self.evidence[rows],
             columns={name: values[rows] for name, values in self.columns.items()},
             source=self.source,
             provenance=self.provenance,
@@ -237,6 +270,7 @@ class Answer:
 
     def take(self, rows: np.ndarray, other: Answer) -> None:
         """Take over another method's answer for some positions; ``other`` has just these."""
+        self._keep(rows, other.evidence.tolist())
         for name in ("load_factor", "crack_length", "error", "governed_by", "status", "method", "reason"):
             getattr(self, name)[rows] = getattr(other, name)
         self.curves.put(rows, other.curves)

@@ -116,7 +116,8 @@ class Analysis(Table):
     strength (thesis Eq. 3.21). ``criterion`` judges what a method finds that is no criterion itself, in place of the
     coupled one. ``tolerance`` is the relative error of the failure index that the method "auto"
     aims at; of indices below a quarter of the largest it is that of the quarter. ``local_model`` is what crack
-    cells and strength criteria take the uncracked part's field from.
+    cells and strength criteria take the uncracked part's field from. ``direction`` is where cracks go: normal to the
+    surface, or turned into the direction that needs the least load.
     """
 
     method: Method = "auto"
@@ -129,6 +130,7 @@ class Analysis(Table):
     average: Annotated[bool, Field(strict=True)] = False
     criterion: Criterion | None = None
     tolerance: Annotated[Number, Field(ge=0.0005, le=0.5)] = 0.02
+    direction: Literal["normal", "best"] = "normal"
 
     @field_validator("voxels", mode="before")
     @classmethod

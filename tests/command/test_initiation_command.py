@@ -11,7 +11,7 @@ from command_line import refused, run
 
 import slmm
 from slmm.initiation import failure
-from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
+from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS
 from slmm.running.cell_file import shipped_database
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -22,8 +22,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from slmm import Scene, failure_indices
 from slmm.initiation.body_fitted import solve_body_fitted
-from slmm.initiation.failure import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.given_field import given_field
+from slmm.initiation.methods import METHODS, ON_DISPLACEMENTS
 from slmm.initiation.positions import find_positions
 from slmm.initiation.settings import DEFAULT
 from slmm.results.field import DisplacementField

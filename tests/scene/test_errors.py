@@ -212,7 +212,7 @@ REFUSED = [
     ({"analysis": {"tolerance": 1e-4}}, r"^analysis\.tolerance = 0.0001: must be at least 0.0005"),
     (
         {"analysis": {"tolerances": 0.1}},
-        r"^analysis\.tolerances = 0.1: .*known here: .* average, criterion, tolerance$",
+        r"^analysis\.tolerances = 0.1: .*known here: .* average, criterion, tolerance, direction$",
     ),
     ({"analysis": {"void_stiffness": 1}}, r"^analysis\.void_stiffness = 1: must be at most 0.1"),
 ]

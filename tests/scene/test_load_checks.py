@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from slmm import Scene, SceneError, failure_indices, read_scene
-from slmm.initiation.failure import METHODS
+from slmm.initiation.methods import METHODS
 from slmm.part.edges import material_on_edges, share_of_pieces
 from slmm.scene import gallery
 

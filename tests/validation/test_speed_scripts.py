@@ -26,3 +26,12 @@ def test_errors_of_simulated_fracture_are_charted():
     checks = script("fracture_chart").main(quick=True)
     assert of(checks, "6 and 5 points", "error")[0].ours < 3e-3
     assert of(checks, "6 and 5 points", "seconds")[0].ours > 0
+
+
+@pytest.mark.slow
+def test_a_thousand_variants_are_their_own_runs():
+    checks = script("sweeps").main(quick=True)
+    assert of(checks, "slmm+ac", "difference")[0].ours < 1e-9
+    assert of(checks, "auto", "over what is told")[0].ours < 1
+    # how fast is for the full run to say: here only that a thousand cost a few runs
+    assert all(check.ours < 20 for check in of(checks, "hole", "CPU time of 1000"))
