@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +57,7 @@ def failure_indices(
     direction: str = "normal",
     model: Any = None,
     material: Material | str | None = None,
+    symmetry: Sequence[str] = (),
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
@@ -105,6 +106,8 @@ def failure_indices(
         see `slmm.initiation.solved_scene`. The method is then "boundary", unless another one is given.
     material : Material or str, optional
         Of the model, or its name.
+    symmetry : sequence of str
+        Sides of the model's box ("left", "right", "bottom", "top") at which it is half a part.
 
     Returns
     -------
@@ -145,9 +148,10 @@ def failure_indices(
             raise ValueError("failure_indices: a model needs its material")
         from slmm.initiation.solved_scene import solved_scene  # imports the readers of result files
 
-        scene, field = solved_scene(model, material, field), None
-    elif material is not None:
-        raise ValueError("failure_indices: material belongs to a model; a scene has its own")
+        scene, field = solved_scene(model, material, field, symmetry=symmetry), None
+    elif material is not None or symmetry:
+        wrong = "symmetry" if material is None else "material"
+        raise ValueError(f"failure_indices: {wrong} belongs to a model; a scene has its own")
     return failure_arrays(
         scene,
         method,

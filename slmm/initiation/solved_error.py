@@ -38,7 +38,8 @@ def add_solved_error(task: Task, answer: Answer) -> None:
     model = task.solved["boundary"].model
     surface = np.unique(np.concatenate([ring.nodes for ring in scene.rings]))
     work = float((scene.surface.forces[surface] * scene.solved.u[surface]).sum())
-    stiffer = abs(work - model.work) / max(abs(work), abs(model.work))
+    smaller = min(abs(work), abs(model.work))
+    stiffer = abs(work - model.work) / smaller if smaller > 0 else np.inf
     error = max(stiffer, _differs(scene, model.displacement))
     if error > NOT_ELASTIC:
         material = scene.material
