@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 from calculix import solved_by_calculix
+from skfem import Basis, ElementQuad1, ElementTriP1, ElementVector, MeshQuad, MeshTri, condense, solve
+from skfem.models.elasticity import linear_elasticity
 
 from slmm import Scene
 from slmm.fem.element_size import SizePolicy
@@ -263,3 +265,20 @@ def by_freefem(scene: Scene, per_quarter: int, element: str, folder: Path, name:
 def _points_held(given: Model, free: object) -> list[str]:
     """What holds a part that is loaded alone: next to nothing, everywhere."""
     return ["\n  + int2d(Th)(1e-9 * E * (u * uu + v * vv))"] if free else []
+
+
+def by_scikit_fem(given: Model, scene: Scene) -> np.ndarray:
+    """Displacements (n, 2) of linear triangles or quadrilaterals by scikit-fem."""
+    mesh = (MeshTri if given.kind == "triangle" else MeshQuad)(given.points.T, given.nodes.T)
+    element = ElementTriP1() if given.kind == "triangle" else ElementQuad1()
+    basis = Basis(mesh, ElementVector(element))
+    E, nu = scene.material.plane_stress_equivalent
+    lame = E * nu / (1 - nu**2), E / (2 * (1 + nu))
+    K = linear_elasticity(*lame).assemble(basis)
+    u, force = np.zeros(K.shape[0]), np.zeros(K.shape[0])
+    for i, dofs in enumerate(basis.nodal_dofs):
+        u[dofs] = np.nan_to_num(given.held[:, i])
+        force[dofs] = given.force[:, i]
+    held = np.concatenate([dofs[np.isfinite(given.held[:, i])] for i, dofs in enumerate(basis.nodal_dofs)])
+    u = solve(*condense(K, force, x=u, D=held))
+    return u[basis.nodal_dofs].T

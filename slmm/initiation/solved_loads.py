@@ -21,7 +21,7 @@ from slmm.mechanics.rigid import free_motions, motions_about
 from slmm.part.span import Span
 from slmm.results.field import DisplacementField
 from slmm.results.outlines import Ring
-from slmm.results.surface_forces import SurfaceForces
+from slmm.results.surface_forces import ABOVE_NOISE, SurfaceForces
 from slmm.scene.loading import Condition
 from slmm.scene.sampled import Sampled
 from slmm.scene.varying_traction import VaryingTraction
@@ -33,6 +33,12 @@ Flags = NDArray[np.bool_]
 LINEAR = 1e-5
 #: degree of the tractions, at most, and less by one than the number of edges (chosen)
 DEGREE = 6
+#: forces that act are so many times the noise, or fewer until those that act are in balance but for this share, and
+#: layers of elements whose nodes' forces count for the loads they are about (chosen)
+FAINTER, UNBALANCED, LAYERS = (ABOVE_NOISE, 4.0, 2.0), 0.02, 4
+#: runs that carry less than this share of the largest one, by forces of less than so many times the noise, are noise
+#: themselves: elements of one point, which other programs keep from folding in ways of their own, leave 4 % (chosen)
+LITTLE, STANDS_OUT = 0.06, 24.0
 #: Gauss points on an edge: exact for the traction on a middle node's parabola; and how much resultants count beside
 #: the force on a single node (chosen)
 EDGE_POINTS, RESULTANT = 5, 1e3
@@ -90,8 +96,15 @@ def solved_loads(
     >>> [(condition.rule[1].mean(axis=0).round(6) + 0.0).tolist() for condition in solved_loads(pulled, rings, forces)]
     [[0.0, 0.0], [100.0, 0.0], [0.0, 0.0], [-100.0, 0.0]]
     """
-    runs = [run for ring in rings for run in _runs(field, ring, surface)]
-    of_run = _tractions(field, runs, surface.forces)
+    for times in FAINTER:
+        runs = [run for ring in rings for run in _runs(field, ring, surface.above(times))]
+        runs = [run for run in runs if not _is_noise(run, runs, surface)]
+        nearest = _nearest_run(field, runs)
+        forces = [np.abs(surface.forces[nearest == k].sum(axis=0)).max() for k in range(len(runs))]
+        left = surface.forces[nearest >= 0].sum(axis=0)
+        if runs and np.abs(left).max() < UNBALANCED * sum(forces):
+            break
+    of_run = _tractions(field, runs, surface.forces, nearest)
     found = []
     for run, traction in zip(runs, of_run, strict=True):
         (x, y), (x_end, y_end) = field.points[run.nodes[[0, -1]]].tolist()
@@ -119,6 +132,14 @@ def _runs(field: DisplacementField, ring: Ring, surface: SurfaceForces) -> Itera
         yield _run(field, ring, np.array(run), surface)
 
 
+def _is_noise(run: Run, runs: Sequence[Run], surface: SurfaceForces) -> bool:
+    """Whether a run carries little of the load, on nodes that stand out little from the noise."""
+    size = np.abs(surface.forces)
+    most = max(size[other.nodes].sum() for other in runs)
+    out = (size[run.nodes] / surface.level[run.nodes, None]).max()
+    return bool(size[run.nodes].sum() < LITTLE * most and out < STANDS_OUT)
+
+
 def _loaded(ring: Ring, surface: SurfaceForces) -> Flags:
     """Which edges (n,) carry forces: those all of whose nodes do, and those beside a node that does alone."""
     there = ring.edges >= 0
@@ -137,7 +158,9 @@ def _run(field: DisplacementField, ring: Ring, of: NDArray[np.int64], surface: S
     s = outline.project(field.points[nodes])
     down = np.concatenate([[0.0], np.cumsum((s[:-1] - s[1:]) % outline.length)])
     span = Span(outline, float(s[0]), float(s[0] - down[-1]))
-    acts = np.asarray(surface.acts[nodes].any(axis=0))
+    # forces on its ends may be those of what is beside it
+    inner = surface.acts[nodes[1:-1]].any(axis=0)
+    acts = np.asarray(inner if inner.any() else surface.acts[nodes].any(axis=0))
     # all nodes of a held edge carry forces, and three of them tell a line
     whole = surface.acts[nodes].any(axis=1).sum() >= 3
     moved = acts & whole & _is_linear(field.points[nodes], field.u[nodes], np.abs(field.u).max())
@@ -151,7 +174,27 @@ def _is_linear(points: Array, u: Array, largest: float) -> Flags:
     return np.asarray(np.abs(off).max(axis=0) < LINEAR * largest)
 
 
-def _tractions(field: DisplacementField, runs: Sequence[Run], forces: Array) -> list[Array | None]:
+def _nearest_run(field: DisplacementField, runs: Sequence[Run]) -> NDArray[np.int64]:
+    """Which run each node (n,) is near, by layers of elements; -1 where none is.
+
+    What other elements exert on their nodes than ours do is in balance in each element. So all that is left on nodes
+    about a load adds up to it, also where a load on few nodes is spread over the elements around.
+    """
+    nearest = np.full(len(field.points), -1)
+    for k, run in enumerate(runs):
+        nearest[run.nodes] = k
+    for _ in range(LAYERS if runs else 0):
+        further = np.full(len(nearest), -1)
+        for nodes in field.cells.values():
+            of_element = nearest[nodes].max(axis=1)
+            np.maximum.at(further, nodes.ravel(), np.repeat(of_element, nodes.shape[1]))
+        nearest = np.where(nearest >= 0, nearest, further)
+    return nearest
+
+
+def _tractions(
+    field: DisplacementField, runs: Sequence[Run], forces: Array, nearest: NDArray[np.int64]
+) -> list[Array | None]:
     """Coefficients (k, 2) of the traction on each run; None where no force counts."""
     wanted = [(k, i) for k, run in enumerate(runs) for i in range(2) if run.pulled[i]]
     sizes = [runs[k].degree + 1 for k, _ in wanted]
@@ -166,13 +209,14 @@ def _tractions(field: DisplacementField, runs: Sequence[Run], forces: Array) -> 
         for nodes, shares in _work_of_nodes(runs[k]):
             for node, row in zip(nodes, shares, strict=True):
                 work[2 * node + i, own] += row
-    of_nodes = np.unique([2 * node + i for k, i in wanted for node in runs[k].nodes if node not in shared])
+    of_nodes = np.unique(
+        [2 * node + i for k, i in wanted for node in runs[k].nodes if node not in shared]
+    ).astype(int)
     rows, right = [work[of_nodes]], [forces.ravel()[of_nodes]]
     for group in _groups(runs, shared):
-        at = np.unique(np.concatenate([runs[k].nodes for k in group]))
-        motions = motions_about(field.points[at], field.points[at].mean(axis=0), 1.0)
-        reach = max(float(np.ptp(field.points[at], axis=0).max()), 1e-300)
-        motions[..., 2] /= reach
+        own = field.points[np.unique(np.concatenate([runs[k].nodes for k in group]))]
+        at = np.flatnonzero(np.isin(nearest, group))
+        motions = motions_about(field.points[at], own.mean(axis=0), float(np.ptp(own, axis=0).max()))
         acts = np.array([any(runs[k].pulled[i] for k in group) for i in range(2)])
         sums = np.einsum("nim,nik->mk", motions * acts[:, None], work.reshape(-1, 2, begins[-1])[at])
         rows.append(RESULTANT * sums)
