@@ -12,8 +12,8 @@ NONE = ResultFlags(None, None, None, None, None, False, None, None)
 
 
 def test_a_material_by_its_name_or_constants():
-    by_name = scene_of(DATA / "plate_2d.frd", NONE._replace(material="PMMA"), None)
-    assert by_name.material.state == "plane stress" and by_name.material.sigma_c == 70.5
+    by_name = scene_of(DATA / "plate_2d.frd", NONE._replace(material="PMMA", plane_strain=True), None)
+    assert by_name.material.state == "plane strain" and by_name.material.sigma_c == 70.5
     # stiffness from plate_2d.inp beside it
     beside = scene_of(DATA / "plate_2d.frd", NONE._replace(strength=70.0, toughness=1.0), None)
     assert (beside.material.E, beside.material.nu) == (2960.0, 0.35)
@@ -33,7 +33,6 @@ def test_a_material_by_its_name_or_constants():
         ("plate.vtu", ["--strength", "70", "--toughness", "1", "--young", "3000"], "belong together"),
         ("plate_2d.frd", ["--material", "PMMA", "--step", "7"], "step = 7"),
         ("plate_2d.frd", ["--material", "PMMA", "--symmetry", "above"], "must be one of left"),
-        ("plate_2d.frd", ["--material", "PMMA", "--plane-strain"], "give the material in plane stress"),
         (
             "plate_2d.frd",
             ["--material", "PMMA", "--displacements", str(DATA / "plate.vtu")],
