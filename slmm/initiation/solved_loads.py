@@ -39,6 +39,8 @@ FAINTER, UNBALANCED, LAYERS = (ABOVE_NOISE, 4.0, 2.0), 0.02, 4
 #: runs that carry less than this share of the largest one, by forces of less than so many times the noise, are noise
 #: themselves: elements of one point, which other programs keep from folding in ways of their own, leave 4 % (chosen)
 LITTLE, STANDS_OUT = 0.06, 24.0
+#: edges between loaded ones that are loaded as well, at most (chosen)
+GAP = 2
 #: Gauss points on an edge: exact for the traction on a middle node's parabola; and how much resultants count beside
 #: the force on a single node (chosen)
 EDGE_POINTS, RESULTANT = 5, 1e3
@@ -147,7 +149,16 @@ def _loaded(ring: Ring, surface: SurfaceForces) -> Flags:
     loaded = (acts[ring.edges] | ~there).all(axis=1)
     of_loaded = np.unique(ring.edges[loaded])
     alone = acts[ring.edges[:, 0]] & ~np.isin(ring.edges[:, 0], of_loaded)
-    return np.asarray(loaded | alone | np.roll(alone, -1))
+    loaded = loaded | alone | np.roll(alone, -1)
+    # forces of a support may pass through zero under it
+    n = len(loaded)
+    for gap in range(1, min(GAP, n - 2) + 1):
+        for k in np.flatnonzero(loaded & ~np.roll(loaded, -1)):
+            between = (k + 1 + np.arange(gap)) % n
+            behind = (k + 1 + gap) % n
+            if loaded[behind] and not loaded[between].any() and not ring.corners[[*between, behind]].any():
+                loaded[between] = True
+    return np.asarray(loaded)
 
 
 def _run(field: DisplacementField, ring: Ring, of: NDArray[np.int64], surface: SurfaceForces) -> Run:
