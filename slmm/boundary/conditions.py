@@ -74,7 +74,7 @@ def known_at(panels: Panels, loading: Loading, scale: float) -> Known:
                 held[on, i] = True
                 displacement[on, i] = component(points[on])
         outward = np.column_stack([panels.tangent.imag, -panels.tangent.real])[on]
-        traction[on] += condition.tractions(outward)
+        traction[on] += condition.tractions(points[on], outward)
     traction[held] = 0.0
     unit: Array = np.array([1, 1j])
     bodies = [np.zeros((len(points), 2, 0))]

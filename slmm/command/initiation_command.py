@@ -63,7 +63,8 @@ def initiation(
     field: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Which nodal data of --displacements they are, where names do not tell."
+            metavar="NAME",
+            help="Which nodal data of --displacements or RESULTS they are, where names do not tell.",
         ),
     ] = None,
     material: Annotated[
@@ -88,6 +89,13 @@ def initiation(
     step: Annotated[
         int | None,
         typer.Option(help="Which step of RESULTS, from 0; from the end if negative; else the last."),
+    ] = None,
+    symmetry: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="SIDE",
+            help="RESULTS are half a part, mirrored at this side (left, right, bottom, top); may be given twice.",
+        ),
     ] = None,
     average: Annotated[
         bool | None,
@@ -137,7 +145,9 @@ def initiation(
     with refusals():
         check_target(output, SWEEP_FORMATS if vary else RESULT_FORMATS, "-o")
         check_target(plot, PICTURE_FORMATS, "--plot")
-        flags = ResultFlags(material, young, poisson, strength, toughness, plane_strain, step, field)
+        flags = ResultFlags(
+            material, young, poisson, strength, toughness, plane_strain, step, field, tuple(symmetry or ())
+        )
         scene = scene_of(scene_file, flags, displacements)
         if displacements is not None and not displacements.is_file():
             raise ValueError(f"--displacements {displacements}: there is no such file")

@@ -24,6 +24,7 @@ class ResultFlags(NamedTuple):
     plane_strain: bool
     step: int | None
     field: str | None
+    symmetry: tuple[str, ...] = ()
 
 
 def is_scene(path: Path, flags: ResultFlags) -> bool:
@@ -43,7 +44,7 @@ def scene_of(path: Path, flags: ResultFlags, displacements: Path | None) -> Scen
     """
     if is_scene(path, flags):
         for name, value in flags._asdict().items():
-            if value is not None and value is not False and name != "field":
+            if value is not None and value is not False and value != () and name != "field":
                 raise ValueError(
                     f"--{name.replace('_', '-')}: belongs to results of a finite element program; a scene has its own"
                 )
@@ -54,7 +55,8 @@ def scene_of(path: Path, flags: ResultFlags, displacements: Path | None) -> Scen
         raise ValueError(f"--displacements: belongs to a scene; {path.name} has its own")
     from slmm.initiation.solved_scene import solved_scene
 
-    return solved_scene(path, _material(path, flags), flags.field, -1 if flags.step is None else flags.step)
+    step = -1 if flags.step is None else flags.step
+    return solved_scene(path, _material(path, flags), flags.field, step, flags.symmetry)
 
 
 def _material(path: Path, flags: ResultFlags) -> Material:

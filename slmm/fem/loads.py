@@ -186,7 +186,7 @@ def forces_of(condition: Condition, mesh: MeshTri2, points: np.ndarray, on: np.n
         step = np.linalg.norm(slope, axis=1, keepdims=True)
         outward = np.column_stack([slope[:, 1], -slope[:, 0]]) / step
         outward *= np.sign(((points[nodes[:, 1]] - inner) * outward).sum(axis=1))[:, None]
-        acts = w * step * condition.tractions(outward)
+        acts = w * step * condition.tractions(np.einsum("k,eki->ei", shape, points[nodes]), outward)
         for k in range(3):
             np.add.at(force, nodes[:, k], shape[k] * acts)
     return force

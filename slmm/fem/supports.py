@@ -123,7 +123,7 @@ def _tractions_change(before: _Side, behind: _Side, part: Part, loading: Loading
     for condition in loading:
         here = condition.on(at)
         if condition.is_loaded and here.any():
-            acts[here] += condition.tractions(condition.outward(at[here]))
+            acts[here] += condition.tractions(at[here], condition.outward(at[here]))
     # each pair of places is extended by the two steps to the nearer one of the other pair
     expected = acts[1] + 2 * (acts[1] - acts[0]), acts[2] + 2 * (acts[2] - acts[3])
     off = max(np.abs(expected[0] - acts[2]).max(), np.abs(expected[1] - acts[1]).max())

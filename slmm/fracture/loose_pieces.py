@@ -170,4 +170,4 @@ def _rule(condition: Condition, around: shapely.Polygon, near: float) -> tuple[A
     middle, along = ends.mean(axis=1), ends[:, 1] - ends[:, 0]
     points = (middle[:, None] + 0.5 * along[:, None] * GAUSS[:, None]).reshape(-1, 2)
     weight = (0.5 * np.hypot(*along.T)[:, None] * WEIGHTS).ravel()
-    return points, condition.tractions(condition.outward(points)), weight
+    return points, condition.tractions(points, condition.outward(points)), weight

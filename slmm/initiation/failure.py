@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +40,7 @@ def failure_indices(
     model: Any = None,
     material: Material | str | None = None,
     vary: Mapping[str, Values] | None = None,
+    symmetry: Sequence[str] = (),
 ) -> xr.Dataset:
     """Failure index at positions along every notch of a scene, by the coupled criterion or another one.
 
@@ -91,6 +92,8 @@ def failure_indices(
     vary : mapping of str to values, optional
         Keys of the scene and what they take, as ``{"load.strain": [0.01, 0.02], "material.sigma_c": "50:80:4"}``, see
         `slmm.scene.variants.variants_of`: the most critical place of each combination, see `slmm.initiation.sweep`.
+    symmetry : sequence of str
+        Sides of the model's box ("left", "right", "bottom", "top") at which it is half a part.
 
     Returns
     -------
@@ -132,9 +135,10 @@ def failure_indices(
             raise ValueError("failure_indices: a model needs its material")
         from slmm.initiation.solved_scene import solved_scene  # imports the readers of result files
 
-        scene, field = solved_scene(model, material, field), None
-    elif material is not None:
-        raise ValueError("failure_indices: material belongs to a model; a scene has its own")
+        scene, field = solved_scene(model, material, field, symmetry=symmetry), None
+    elif material is not None or symmetry:
+        wrong = "symmetry" if material is None else "material"
+        raise ValueError(f"failure_indices: {wrong} belongs to a model; a scene has its own")
     if vary is not None:
         from slmm.initiation.sweep import sweep_arrays
 

@@ -1,11 +1,13 @@
 """A part that was solved elsewhere, as a scene: its outlines from the mesh, its load from the displacements.
 
-Stretches of free edges that carry forces are moved as the model moved them; all else is free. What the model's own
-elements make of the stress at a notch does not matter then, and any method that serves a part serves this one.
+Stretches of free edges that carry forces are moved or loaded as in the model, see `slmm.initiation.solved_loads`; all
+else is free. What the model's own elements make of the stress at a notch does not matter then, and any method that
+serves a part serves this one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -13,21 +15,24 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, SkipValidation, model_validator
 
 from slmm.initiation.given_field import displacement_field
-from slmm.mechanics.material import Material
+from slmm.initiation.half_models import half_model_doubts
+from slmm.initiation.solved_loads import solved_loads
+from slmm.mechanics.material import Material, State
 from slmm.part.chords import chords
 from slmm.part.outline import Outline
 from slmm.part.part import Part
-from slmm.part.span import Span
 from slmm.results.field import DisplacementField
+from slmm.results.mirrored import mirrored
 from slmm.results.outlines import Ring, mesh_outlines
 from slmm.results.surface_forces import SurfaceForces, surface_forces
 from slmm.scene.errors import SceneError
-from slmm.scene.loading import Condition, Loading
-from slmm.scene.sampled import Sampled
+from slmm.scene.loading import Loading
 from slmm.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
+#: noise from which it tells the state, and its share that the other state's must not reach; chosen
+OTHER_STATE = (1e-3, 0.2)
 #: noise from which forces on surfaces are not told from it, see `SurfaceForces`; chosen
 TOO_NOISY = 0.1
 
@@ -55,6 +60,11 @@ class SolvedScene(Scene):
     def loading(self) -> Loading:
         """Where the part was held, moved or loaded, moved as it was."""
         return self.conditions
+
+    @property
+    def doubts(self) -> list[str]:
+        """What may be meant otherwise: sides that move as planes of symmetry do, where a notch ends."""
+        return half_model_doubts(self.solved, self.conditions)
 
     @property
     def _rim(self) -> Outline:
@@ -88,7 +98,11 @@ class SolvedScene(Scene):
 
 
 def solved_scene(
-    model: Any, material: Material | str, field: str | None = None, step: int = -1
+    model: Any,
+    material: Material | str,
+    field: str | None = None,
+    step: int = -1,
+    symmetry: Sequence[str] = (),
 ) -> SolvedScene:
     """The part that a finite element model stands for.
 
@@ -102,6 +116,8 @@ def solved_scene(
         Which nodal data of a file the displacements are, see `slmm.results.results.read_displacements`.
     step : int
         Which step of a file; from the end if negative.
+    symmetry : sequence of str
+        At which sides of its box the model is the half of a part ("left", "right", "bottom", "top").
 
     Raises
     ------
@@ -117,19 +133,24 @@ def solved_scene(
     >>> len(scene.outlines), [condition.is_held for condition in scene.loading]
     (2, [(True, True), (True, True), (True, True), (True, True)])
     """
+    if isinstance(symmetry, str):
+        symmetry = (symmetry,)
     solved, of = displacement_field(model, field, step)
     if isinstance(material, str):
         material = Material.from_name(material)
     try:
+        solved = mirrored(solved, symmetry)
         rings = tuple(mesh_outlines(solved))
-        surface = surface_forces(solved, material, np.concatenate([ring.nodes for ring in rings]))
+        on_surface = np.concatenate([ring.nodes for ring in rings])
+        surface = surface_forces(solved, material, on_surface)
+        _check_state(surface_forces(solved, in_other_state(material), on_surface), surface, material)
         if surface.noise > TOO_NOISY:
             raise ValueError(
                 f"forces of {surface.noise:.2g} of the largest act on nodes inside the part: it is not linear elastic "
                 f"with nu = {material.nu:g} in {material.state}, or loaded inside (gravity, temperature), or its "
-                "displacements have too few digits"
+                "displacements have too few digits, or are of quadratic elements and given on linear ones"
             )
-        conditions = [condition for ring in rings for condition in _conditions(solved, ring, surface)]
+        conditions = solved_loads(solved, rings, surface)
         if not conditions:
             raise ValueError("nothing acts on its free edges: there is no load")
     except ValueError as error:
@@ -141,52 +162,23 @@ def solved_scene(
             "material": table,
             "solved": solved,
             "rings": rings,
-            "conditions": Loading(tuple(conditions)),
+            "conditions": Loading(conditions),
             "surface": surface,
             "analysis": {"method": "boundary"},
         }
     )
 
 
-def _conditions(field: DisplacementField, ring: Ring, surface: SurfaceForces) -> list[Condition]:
-    """What moves a ring, run by run."""
-    loaded = _loaded(ring, surface)
-    n = len(loaded)
-    if not loaded.any():
-        return []
-    begins = loaded & (~np.roll(loaded, 1) | ring.corners)
-    if not begins.any():
-        begins[0] = True
-    found = []
-    for first in np.flatnonzero(begins):
-        run = [first]
-        while loaded[after := (run[-1] + 1) % n] and not begins[after] and after != first:
-            run.append(after)
-        found.append(_moved(field, ring, np.array(run), surface))
-    return found
+def in_other_state(material: Material) -> Material:
+    """The same material in plane strain in place of plane stress, or the other way round."""
+    state: State = "plane stress" if material.state == "plane strain" else "plane strain"
+    return Material(material.E, material.nu, material.sigma_c, material.G_c, state)
 
 
-def _loaded(ring: Ring, surface: SurfaceForces) -> NDArray[np.bool_]:
-    """Which edges (n,) carry forces: those all of whose nodes do, and those beside a node that does alone."""
-    there = ring.edges >= 0
-    acts = np.asarray(surface.acts.any(axis=1))
-    loaded = (acts[ring.edges] | ~there).all(axis=1)
-    of_loaded = np.unique(ring.edges[loaded])
-    alone = acts[ring.edges[:, 0]] & ~np.isin(ring.edges[:, 0], of_loaded)
-    return loaded | alone | np.roll(alone, -1)
-
-
-def _moved(field: DisplacementField, ring: Ring, run: NDArray[np.int64], surface: SurfaceForces) -> Condition:
-    """The condition along a run of edges."""
-    edges = ring.edges[run]
-    nodes = np.concatenate([edges[:, [0, 2]].ravel(), edges[-1:, 1]])
-    nodes = nodes[nodes >= 0]
-    outline, at = ring.outline, field.points[nodes]
-    s = outline.project(at)
-    down = np.concatenate([[0.0], np.cumsum((s[:-1] - s[1:]) % outline.length)])
-    span = Span(outline, float(s[0]), float(s[0] - down[-1]))
-    share = down / down[-1]
-    acts = surface.acts[nodes].any(axis=0)
-    u_x, u_y = (Sampled(span, share, field.u[nodes, i]) if acts[i] else None for i in range(2))
-    (x, y), (x_end, y_end) = at[0].tolist(), at[-1].tolist()
-    return Condition((x, y), (x_end, y_end), (u_x, u_y), span=span)
+def _check_state(other: SurfaceForces, surface: SurfaceForces, material: Material) -> None:
+    if surface.noise > OTHER_STATE[0] and other.noise < OTHER_STATE[1] * surface.noise:
+        right = in_other_state(material).state
+        raise ValueError(
+            f"its displacements are in balance in {right} (forces of {other.noise:.2g} are left inside), "
+            f"not in {material.state} ({surface.noise:.2g}): give the material in {right}"
+        )

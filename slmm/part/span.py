@@ -56,6 +56,13 @@ class Span:
         """Points (n, 2) at shares (n,) of its length, mm."""
         return self.outline.points(self.first - share * self.length)
 
+    def share(self, points: Array) -> Array:
+        """Shares (n,) of its length at points (n, 2) of it; those beside an end by round-off are at that end."""
+        around, length = self.outline.length, self.length
+        beside = 0.5 * (around - length)
+        down = (self.first - self.outline.project(points) + beside) % around - beside
+        return np.clip(down / length, 0.0, 1.0)
+
     def holds(self, points: Array) -> NDArray[np.bool_]:
         """Which points (n, 2) lie on it."""
         near = ON_SPAN * self.outline.length

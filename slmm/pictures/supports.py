@@ -53,7 +53,7 @@ def draw_supports(axes: Axes, scene: Scene) -> None:
             )
             _arrows(axes, middle, out, force, LOADED, _once("loaded", named))
         if condition.is_loaded and pulled > 0:
-            t = condition.tractions(outward)
+            t = condition.tractions(x_y, outward)
             _arrows(axes, x_y, outward, ARROW * scene.size * t / pulled, LOADED, _once("loaded", named))
 
 
@@ -69,7 +69,7 @@ def _largest(scene: Scene) -> tuple[float, float]:
         x_y, outward = _along(condition, APART * scene.size)
         u = [_values(component, x_y) for component in condition.displacement]
         moved = max(moved, float(np.hypot(*u).max()))
-        pulled = max(pulled, float(np.hypot(*condition.tractions(outward).T).max()))
+        pulled = max(pulled, float(np.hypot(*condition.tractions(x_y, outward).T).max()))
         if condition.stiff is not None:
             pulled = max(pulled, float(np.hypot(*condition.stiff.force[:2])) / (2 * condition.stiff.reach))
     return moved, pulled

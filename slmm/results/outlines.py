@@ -1,7 +1,6 @@
 """The outlines of a mesh of plane elements: smooth curves through the nodes of its free edges, and corners.
 
-Nodes lie on the true surface, chords beside it. Between two nodes the curve goes over from the circle through them and
-the node before to the circle through them and the node behind, so that straight lines and arcs are what they were.
+Nodes lie on the true surface, chords beside it; see `slmm.results.smooth_curve` for what lies between them.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from slmm.part.outline_splines import enclosed_area
 from slmm.results.boundary_chain import BoundaryChain, boundary_chain
 from slmm.results.field import DisplacementField
 from slmm.results.plane_elements import PLANE_ELEMENTS
+from slmm.results.smooth_curve import curve_through
 
 Array = NDArray[np.float64]
 
@@ -25,13 +25,6 @@ Array = NDArray[np.float64]
 SHARP, LEAST, TIMES = np.radians(45.0), np.radians(8.0), 2.5
 #: middle nodes that leave the chord by less than this share of what the turn asks for say nothing of the curve; chosen
 STRAIGHT_SIDED = 0.1
-#: a curve turns by at most this between two of its points, rad: a spline through them is then as good as the nodes
-#: (see `slmm.part.outline.Outline.of_pieces`); chosen
-FINEST = 0.01
-#: points between two nodes, at least and at most; chosen
-FEWEST, MOST = 4, 40
-#: an arc ends where the curvature jumps by this share of it, and so many times as far as on the other side; chosen
-JUMP, CLEAR = 0.3, 5.0
 #: a turn back by as much is the tip of a crack, rad; chosen
 CRACK = np.radians(170.0)
 
@@ -150,7 +143,7 @@ def _curved(
 def _outline(at: Array, corners: NDArray[np.bool_]) -> Outline:
     """The curve through points (n, 2) that go round once, with corners at some of them."""
     if not corners.any():
-        return Outline.through(_dense(np.concatenate([at[-2:], at, at[:3]]))[:-1])
+        return Outline.through(curve_through(at, closed=True))
     where = np.flatnonzero(corners)
     pieces = []
     for begin, end in zip(where, [*where[1:], len(at) + where[0]], strict=True):
@@ -158,7 +151,7 @@ def _outline(at: Array, corners: NDArray[np.bool_]) -> Outline:
         if len(run) == 2 or _is_straight(run):
             pieces.append(run[[0, -1]])
         else:
-            pieces.append(_dense(np.concatenate([run[[0, 0]], run, run[[-1, -1]]])))
+            pieces.append(curve_through(run, closed=False))
     return Outline.of_pieces(pieces)
 
 
@@ -169,70 +162,3 @@ def _is_straight(run: Array) -> bool:
         *chord
     )
     return bool(beside.max() < 1e-6 * np.abs(run).max() + 1e-9)
-
-
-def _dense(at: Array) -> Array:
-    """Points of the curve through points (n, 2), from the third to the last but two.
-
-    The two at each end tell only how it begins and ends; where they repeat the next one, it goes on as an arc.
-    """
-    n = len(at)
-    three = [
-        None if (at[k - 1] == at[k]).all() or (at[k] == at[k + 1]).all() else at[k - 1 : k + 2]
-        for k in range(1, n - 1)
-    ]
-    # of circles through each point and those beside it
-    bend = [np.nan, *(np.nan if points is None else _curvature(*points) for points in three), np.nan]
-    found = []
-    for k in range(2, n - 3):
-        b, c = at[k], at[k + 1]
-        first, last = _which(*bend[k - 1 : k + 3])
-        arcs = [x for x, wanted in ((bend[k], first), (bend[k + 1], last)) if wanted]
-        half = 0.5 * float(np.hypot(*(c - b)))
-        pieces = int(
-            np.clip(np.ceil(max((abs(2 * half * x) for x in arcs), default=0.0) / FINEST), FEWEST, MOST)
-        )
-        t = np.arange(pieces) / pieces
-        on_arcs = [_arc(b, c, t, float(np.clip(half * x, -1.0, 1.0))) for x in arcs]
-        if len(on_arcs) == 2:
-            share = (t * t * (3 - 2 * t))[:, None]
-            found.append((1 - share) * on_arcs[0] + share * on_arcs[1])
-        else:
-            found.append(on_arcs[0] if on_arcs else b + t[:, None] * (c - b))
-    return np.concatenate([*found, at[-3:-2]])
-
-
-def _which(before: float, first: float, last: float, behind: float) -> tuple[bool, bool]:
-    """Whether the curve between two points follows the circle about the first one, and that about the last one.
-
-    By the curvatures of these, of one before and of one behind; NaN where there is none. Beside the end of an arc, the
-    circle that reaches over the end is neither the arc nor the line.
-    """
-    if np.isnan(first) or np.isnan(last):
-        return not np.isnan(first), not np.isnan(last)
-    jumps = abs(first - before), abs(last - behind)
-    least = JUMP * max(abs(first), abs(last))
-    if jumps[0] > least and jumps[0] > CLEAR * jumps[1]:
-        return False, True
-    if jumps[1] > least and jumps[1] > CLEAR * jumps[0]:
-        return True, False
-    return True, True
-
-
-def _curvature(a: Array, b: Array, c: Array) -> float:
-    """Of the circle through three points, 1/mm, positive to the left."""
-    (ux, uy), (vx, vy), (wx, wy) = b - a, c - b, c - a
-    return float(2 * (ux * vy - uy * vx) / (np.hypot(ux, uy) * np.hypot(vx, vy) * np.hypot(wx, wy)))
-
-
-def _arc(b: Array, c: Array, t: Array, sine: float) -> Array:
-    """Points (n, 2) at shares (n,) of the arc from b to c that turns by twice the angle of this sine."""
-    half = np.arcsin(sine)
-    if abs(half) < 1e-9:
-        return b + t[:, None] * (c - b)
-    # over the chord, with the chord along x from 0 to 1
-    angle = half * (2 * t - 1)
-    x = 0.5 + 0.5 * np.sin(angle) / sine
-    y = -0.5 * (np.cos(angle) - np.cos(half)) / sine
-    along = c - b
-    return b + x[:, None] * along + y[:, None] * np.array([-along[1], along[0]])

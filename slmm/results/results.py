@@ -16,6 +16,7 @@ from slmm.mechanics.element_types import ELEMENT_TYPES
 from slmm.results.field import DisplacementField
 from slmm.results.frd import FrdField, FrdResult, read_frd
 from slmm.results.inp_lines import blocks, plain
+from slmm.results.joined_nodes import joined
 from slmm.results.mesh_step import chosen_step, mesh_displacements
 from slmm.results.plane_elements import PLANE_ELEMENTS
 
@@ -77,6 +78,11 @@ def read_displacements(path: str | Path, step: int = -1, field: str | None = Non
         found = mesh_displacements(path, step, field)
         model = found.mesh.points, found.mesh.cells, found.u
     try:
+        if (
+            path.suffix.lower() == ".frd"
+        ):  # tied parts have nodes of their own; of other files they are joined
+            points, cells, u = model
+            model = points, joined(points, cells, u)[0], u
         return DisplacementField(*_plane_model(*model))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error

@@ -36,11 +36,18 @@ class SurfaceForces(NamedTuple):
         Where, and in which direction, more than noise acts.
     noise : float
         Forces inside over the largest one that an element exerts, in the worst of a hundred nodes.
+    level : ndarray (n,)
+        What is noise at each node, N for each mm of thickness; infinite inside.
     """
 
     forces: Array
     acts: NDArray[np.bool_]
     noise: float
+    level: Array
+
+    def above(self, times: float) -> SurfaceForces:
+        """The same with forces that act from so many times the noise on."""
+        return self._replace(acts=np.abs(self.forces) > times * self.level[:, None])
 
 
 def surface_forces(
@@ -73,13 +80,12 @@ def surface_forces(
     forces, exerted = rules[int(np.argmin(left))]
     largest = exerted.max()
     if largest < ROUND_OFF * material.E * np.abs(field.u).max():  # a rigid motion
-        return SurfaceForces(forces, np.zeros(forces.shape, dtype=bool), 0.0)
+        return SurfaceForces(forces, np.zeros(forces.shape, dtype=bool), 0.0, np.full(len(forces), np.inf))
     size = np.abs(forces[inside]).max(axis=1) / largest if inside.any() else np.zeros(1)
     noise = float(np.quantile(size, 0.99))
     local = _largest_inside(field.cells, np.where(inside, np.abs(forces).max(axis=1), 0.0))
-    acts = np.abs(forces) > np.maximum(ABOVE_NOISE * local, LEAST * largest)[:, None]
-    acts[inside] = False
-    return SurfaceForces(forces, acts, noise)
+    level = np.where(inside, np.inf, np.maximum(local, LEAST * largest / ABOVE_NOISE))
+    return SurfaceForces(forces, np.zeros(forces.shape, dtype=bool), noise, level).above(ABOVE_NOISE)
 
 
 def _forces(field: DisplacementField, material: Material, reduced: bool) -> tuple[Array, Array]:

@@ -104,7 +104,7 @@ class _Placed(NamedTuple):
     @property
     def tractions(self) -> Array:
         """MPa, at the points (n, 2)."""
-        return self.condition.tractions(self.condition.outward(self.points))
+        return self.condition.tractions(self.points, self.condition.outward(self.points))
 
     @property
     def acts(self) -> tuple[bool, bool]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from slmm.mechanics.rigid import motions_about
 from slmm.part.span import Span
 from slmm.scene.sampled import Sampled
+from slmm.scene.varying_traction import VaryingTraction
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
@@ -114,6 +115,8 @@ class Condition:
         None on a straight stretch.
     stiff : Stiff, optional
         The rigid body that the stretch belongs to; ``displacement`` is then what of its motion is given.
+    varying : VaryingTraction, optional
+        A traction that changes along the stretch, besides all these.
     """
 
     start: Point
@@ -124,6 +127,7 @@ class Condition:
     bearing: Point = (0.0, 0.0)
     span: Span | None = None
     stiff: Stiff | None = None
+    varying: VaryingTraction | None = None
 
     @property
     def length(self) -> float:
@@ -140,7 +144,7 @@ class Condition:
     @property
     def is_loaded(self) -> bool:
         """Whether a traction acts."""
-        return any(self.traction) or bool(self.pressure) or any(self.bearing)
+        return any(self.traction) or bool(self.pressure) or any(self.bearing) or self.varying is not None
 
     def on(self, points: Array) -> NDArray[np.bool_]:
         """Which points (n, 2) lie on the stretch."""
@@ -166,10 +170,12 @@ class Condition:
         x, y = (np.array(self.end) - self.start) / self.length
         return np.broadcast_to(np.array([y, -x]), points.shape)
 
-    def tractions(self, outward: Array) -> Array:
-        """Tractions (n, 2) where these are the unit normals (n, 2) out of the body, MPa; 0 in directions held."""
+    def tractions(self, points: Array, outward: Array) -> Array:
+        """Tractions (n, 2) at points (n, 2) with unit normals (n, 2) out of the body, MPa; 0 in directions held."""
         onto = self.pressure + np.maximum(-outward @ np.array(self.bearing), 0.0)
         values = np.array(self.traction) - onto[:, None] * outward
+        if self.varying is not None:
+            values = values + self.varying(points)
         return np.where(self.is_held, 0.0, values)
 
     @cached_property
@@ -185,9 +191,9 @@ class Condition:
         """Points (n, 2), tractions (n, 2), MPa, and weights (n,), mm, for integrals along the stretch."""
         if self.span is not None:
             points, outward, weight = self.span.rule
-            return points, self.tractions(outward), weight
+            return points, self.tractions(points, outward), weight
         points = np.array([self.start, self.end])
-        return points, self.tractions(self.outward(points)), np.full(2, 0.5 * self.length)
+        return points, self.tractions(points, self.outward(points)), np.full(2, 0.5 * self.length)
 
 
 @dataclass(frozen=True)

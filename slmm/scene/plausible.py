@@ -47,9 +47,8 @@ def unusual_values(scene: Scene) -> list[str]:
     material.E = 70 MPa: is less than 5 times sigma_c = 50 MPa, as in no solid but elastomers; E is read in MPa
     """
     material = scene.material
-    return _of_material(material) + _of_size(
-        scene.size, "plate" if scene.plate is not None else "part", material.irwin_length
-    )
+    what = "plate" if scene.plate is not None else "part"
+    return [*_of_material(material), *_of_size(scene.size, what, material.irwin_length), *scene.doubts]
 
 
 def _of_material(material: Material) -> list[str]:

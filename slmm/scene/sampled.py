@@ -45,12 +45,7 @@ class Sampled:
 
     def __call__(self, points: Array) -> Array:
         """Values (n,) at points (n, 2) of the span, mm."""
-        outline = self.span.outline
-        # points at an end may lie beside it by round-off
-        back = (self.span.first - outline.project(points) + 0.5 * (outline.length - self.span.length)) % (
-            outline.length
-        ) - 0.5 * (outline.length - self.span.length)
-        return np.asarray(self._curve(np.clip(back / self.span.length, 0.0, 1.0)))
+        return np.asarray(self._curve(self.span.share(points)))
 
     @cached_property
     def _curve(self) -> Akima1DInterpolator:

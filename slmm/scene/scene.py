@@ -141,6 +141,11 @@ class Scene(Table):
         return np.array(self.outer.bounds).reshape(2, 2)
 
     @property
+    def doubts(self) -> list[str]:
+        """What may be meant otherwise than it is read, each a sentence with its key."""
+        return []
+
+    @property
     def size(self) -> float:
         """Longer side of the rectangle around it, mm."""
         return float(np.ptp(self.box, axis=0).max())

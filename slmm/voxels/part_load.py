@@ -90,7 +90,7 @@ def part_load(part: Part, loading: Loading, grid: VoxelGrid, E: float) -> PartLo
         near, share = grid.shares(points)
         motions = motions_about(points, grid.middle, grid.reach)
         if condition.is_loaded:
-            pulls = weight[:, None] * condition.tractions(outward)
+            pulls = weight[:, None] * condition.tractions(points, outward)
             np.add.at(force, near, share[:, :, None] * pulls[:, None])
             work += np.einsum("ni,nim->m", pulls, motions)
             acting += float(np.abs(pulls).sum())

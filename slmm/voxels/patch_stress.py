@@ -80,7 +80,7 @@ def surface_of(part: Part, loading: Loading, spacing: float) -> Surface:
     traction, held = np.zeros(all_points.shape), np.zeros(all_points.shape, dtype=bool)
     for condition in loading:
         on = condition.on(all_points)
-        traction[on] += condition.tractions(-all_inward[on])
+        traction[on] += condition.tractions(all_points[on], -all_inward[on])
         held[on] |= condition.is_held
     return Surface(all_points, all_inward, traction, ~held)
 

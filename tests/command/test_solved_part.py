@@ -32,6 +32,7 @@ def test_a_material_by_its_name_or_constants():
         ("plate.vtu", ["--strength", "70", "--toughness", "1"], "give --young and --poisson"),
         ("plate.vtu", ["--strength", "70", "--toughness", "1", "--young", "3000"], "belong together"),
         ("plate_2d.frd", ["--material", "PMMA", "--step", "7"], "step = 7"),
+        ("plate_2d.frd", ["--material", "PMMA", "--symmetry", "above"], "must be one of left"),
         (
             "plate_2d.frd",
             ["--material", "PMMA", "--displacements", str(DATA / "plate.vtu")],
@@ -49,3 +50,4 @@ def test_options_of_results_belong_to_no_scene(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text("[plate]\nwidth = 10.0\nheight = 10.0\n")
     refused(run("initiation", path, "--material", "PMMA"), "--material: belongs to results")
+    refused(run("initiation", path, "--symmetry", "left"), "--symmetry: belongs to results")

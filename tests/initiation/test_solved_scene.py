@@ -62,6 +62,39 @@ def test_what_is_not_elastic_is_refused():
         solved_scene(DisplacementField(points, field.cells, np.full_like(points, 0.1)), PMMA)
 
 
+@pytest.mark.parametrize("state", ["plane stress", "plane strain"])
+def test_the_other_state_is_refused_with_the_right_one(state):
+    right = Material.from_name("PMMA", state)
+    (wrong,) = {"plane stress", "plane strain"} - {state}
+    points, quads = ring(16, 4)
+    field = stretched(points, {"quad": quads}, right)
+    assert solved_scene(field, right).material.state == state
+    with pytest.raises(ValueError, match=f"in balance in {state}.*give the material in {state}"):
+        solved_scene(field, Material.from_name("PMMA", wrong))
+
+
+def test_under_forces_coarse_triangles_lose_nothing():
+    """Displacements are too small by what the mesh is too stiff, 5 %; the forces are those of the plate."""
+    points, quads = ring(24, 4)
+    cells = {"triangle": triangles(quads)}
+    force = np.zeros_like(points)
+    for y, sign in ((0.0, -10.0), (SIDE, 10.0)):
+        edge = np.flatnonzero(np.abs(points[:, 1] - y) < 1e-9)
+        edge = edge[np.argsort(points[edge, 0])]
+        length = np.diff(points[edge, 0])
+        force[edge[:-1], 1] += 0.5 * sign * length
+        force[edge[1:], 1] += 0.5 * sign * length
+    left, right = (int(np.argmin(np.hypot(*(points - [x, 0.0]).T))) for x in (0.0, SIDE))
+    held = np.array([2 * left, 2 * left + 1, 2 * right + 1])
+    result = at_side(solved_scene(solved(points, cells, PMMA, held, np.zeros(3), force), PMMA))
+    hole = {"shape": "circle", "center": [10.0, 10.0], "radius": 2.0}
+    plate = {"plate": {"width": SIDE, "height": SIDE}, "holes": [hole], "material": {"name": "PMMA"}}
+    own = failure_indices(Scene.from_dict({**plate, "load": {"stress": 10.0}, **AT}))
+    index, wanted = float(result.failure_index[0]), float(own.failure_index[0])
+    assert float(result.model_error[0]) > 0.02
+    assert abs(index - wanted) < 1e-3 * wanted
+
+
 def test_gravity_is_refused_on_fine_meshes_too():
     """Each node inside bears little of it there; a plate that is held on top and nowhere moved takes no work at all."""
     points, quads = ring(40, 10)

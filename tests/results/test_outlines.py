@@ -7,6 +7,7 @@ from slmm.part.outline import Outline
 from slmm.part.shapes import circle, polygon
 from slmm.results.field import DisplacementField
 from slmm.results.outlines import mesh_outlines
+from slmm.results.results import read_displacements
 from tests.solved_plates import ring, triangles, with_middles
 
 
@@ -92,6 +93,13 @@ def test_what_is_no_part_is_refused():
     cells = {"quad": np.array([[0, 1, 4, 3], [1, 2, 5, 4], [7, 8, 1, 6], [8, 9, 2, 1]])}
     with pytest.raises(ValueError, match="tip of a crack"):
         outlines(slit, cells)
+
+
+def test_tied_parts_of_calculix_are_one():
+    """Two squares with nodes of their own where they meet, that move as one."""
+    (outer,) = mesh_outlines(read_displacements("tests/data/two_blocks.frd"))
+    assert outer.outline.length == pytest.approx(60.0, rel=1e-9)
+    assert len(outer.outline.corners) == 4
 
 
 def test_circles_stay_where_they_are_after_a_turn():

@@ -56,7 +56,9 @@ def test_stretches_run_counter_clockwise_around_the_part_and_around_a_hole():
 
 def test_pressure_acts_along_the_normal_and_a_force_is_spread_over_the_length():
     (pressed,) = scene(PRESSED).loading
-    np.testing.assert_allclose(pressed.tractions(np.array([[0.6, 0.8]])), [[-1.8, -2.4]])
+    np.testing.assert_allclose(
+        pressed.tractions(np.array([[0.0, 0.0]]), np.array([[0.6, 0.8]])), [[-1.8, -2.4]]
+    )
     _, traction, weight = pressed.rule
     assert weight.sum() == pytest.approx(2 * np.pi * 20, rel=1e-6)
     assert np.abs(weight @ traction).max() < 1e-6
