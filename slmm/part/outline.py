@@ -13,14 +13,12 @@ from scipy.spatial import cKDTree
 
 from slmm.part.accuracy import Accuracy
 from slmm.part.outline_splines import (
-    MAX_PIECES,
     backwards,
     checked_pieces,
     chord_lengths,
     enclosed_area,
-    equidistant,
-    number_of_pieces,
     open_spline,
+    over_arc_length,
     periodic_spline,
     smoothed,
     turned,
@@ -113,16 +111,7 @@ class Outline:
         if smoothing > 0 or wavelength > 0:
             spline = smoothed(spline, 2 * len(points), smoothing, wavelength)
 
-        s, samples = equidistant(spline, MAX_PIECES)
-        pieces = number_of_pieces(samples, s[1])
-        if pieces < MAX_PIECES:
-            s, samples = equidistant(spline, pieces)
-        # The first pass brings the parameter to the arc length of the spline through the given points, the
-        # next ones to the arc length of the spline through the equidistant points itself.
-        for _ in range(2):
-            spline = periodic_spline(s, samples)
-            s, samples = equidistant(spline, pieces)
-        spline = periodic_spline(s, samples)
+        spline = over_arc_length(spline)
         return cls(read_only(spline.x), read_only(spline.c))
 
     @classmethod
