@@ -201,6 +201,7 @@ def _alongside(part: Part) -> tuple[Array, Array]:
             to_end = np.minimum(to_end, length.sum() - way)
         distance = shapely.distance(shapely.points(points), obstacle)
         near = distance < np.minimum(ALONGSIDE * to_end, ACROSS_GAP * _largest(part))
+        near &= distance > part.tolerance  # where cracks cross there is no gap
         at.append(points[near])
         sizes.append(distance[near] / ACROSS_GAP)
     return np.concatenate(at), np.concatenate(sizes)

@@ -13,14 +13,12 @@ from slmm.mechanics.cubics import Cubics, closed_through
 from slmm.mechanics.nearest import Nearest
 from slmm.part.accuracy import Accuracy
 from slmm.part.outline_splines import (
-    MAX_PIECES,
     backwards,
     checked_pieces,
     chord_lengths,
     enclosed_area,
-    equidistant,
-    number_of_pieces,
     open_spline,
+    over_arc_length,
     smoothed,
     turned,
     turns_at,
@@ -112,16 +110,7 @@ class Outline:
         if smoothing > 0 or wavelength > 0:
             spline = smoothed(spline, 2 * len(points), smoothing, wavelength)
 
-        s, samples = equidistant(spline, MAX_PIECES)
-        pieces = number_of_pieces(samples, s[1])
-        if pieces < MAX_PIECES:
-            s, samples = equidistant(spline, pieces)
-        # The first pass brings the parameter to the arc length of the spline through the given points, the
-        # next ones to the arc length of the spline through the equidistant points itself.
-        for _ in range(2):
-            spline = closed_through(s, samples)
-            s, samples = equidistant(spline, pieces)
-        spline = closed_through(s, samples)
+        spline = over_arc_length(spline)
         return cls(read_only(spline.breaks), read_only(spline.coefficients))
 
     @classmethod

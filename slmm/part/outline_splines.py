@@ -158,6 +158,20 @@ def equidistant(spline: Cubics, n: int) -> tuple[Array, Array]:
     return s, spline(spline.breaks[piece] + h * part)
 
 
+def over_arc_length(spline: Cubics) -> Cubics:
+    """A closed spline over its arc length, of as many pieces as its sharpest bend needs."""
+    s, samples = equidistant(spline, MAX_PIECES)
+    pieces = number_of_pieces(samples, s[1])
+    if pieces < MAX_PIECES:
+        s, samples = equidistant(spline, pieces)
+    # the first pass brings the parameter to the arc length of the spline that was given, the next ones to that of the
+    # spline through the equidistant points itself
+    for _ in range(2):
+        spline = closed_through(s, samples)
+        s, samples = equidistant(spline, pieces)
+    return closed_through(s, samples)
+
+
 def number_of_pieces(points: Array, step: float) -> int:
     """As many pieces as the sharpest bend needs of an outline through `MAX_PIECES` points, a step of it apart, mm."""
     # the angle between neighbouring chords: unlike the second derivative, it forgives tiny kinks

@@ -82,3 +82,11 @@ def test_other_sizes_are_tried_where_the_mesher_fails(monkeypatch):
     monkeypatch.setattr(fem_mesh, "plate_mesh", fails)
     with pytest.raises(MesherError, match=r"no reason, nor with elements 0.8, 1.25, 0.6 times as large"):
         crack_mesh(scene.part, scene.loading, DEPTH)
+
+
+def test_cracks_that_cross_where_their_nearness_is_sampled_have_a_mesh():
+    lines = [[[0, 40], [20.1, 40]], [[20, 33], [20, 49]]]
+    scene = tensile_plate(cracks=[{"points": line} for line in lines])
+    mesh = crack_mesh(scene.part, scene.loading, DEPTH)
+    assert np.linalg.norm(mesh.vertices - [20.0, 40.0], axis=1).min() < 1e-9
+    assert len(mesh.vertices) < 10_000
