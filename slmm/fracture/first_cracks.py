@@ -22,6 +22,7 @@ from slmm.fracture.events import Event, Kind, starts
 from slmm.fracture.growth import Surroundings
 from slmm.fracture.initiation_sites import critical_sites
 from slmm.fracture.surface_peaks import Site
+from slmm.initiation.contact import closes_at, held
 from slmm.mechanics.stress import principal_stress
 from slmm.mechanics.williams import singular_exponent
 from slmm.scene.scene import Scene
@@ -81,6 +82,7 @@ class CoupledCriterion:
         """The crack that starts at a site, if its load may be below another.
 
         In a thin ligament a longer crack always needs less: what the longest one needs is an upper bound of the load.
+        A crack that closes sets no more free from there on.
         """
         material = model.body.material
         if self.surroundings.part.holes is not model.part.holes:  # a piece came loose
@@ -99,7 +101,10 @@ class CoupledCriterion:
             if material.sigma_c > load * stress.max():
                 return None
             trial = TrialCracks(model, site.point, site.inward, longest, _exponent(model, site))
-            G_inc = trial.incremental(a)
+            closed = closes_at(trial.lengths[None], trial.K[None])
+            G_inc = held(a[None], trial.incremental(a)[None], closed)[0]
+            if not G_inc.any():
+                return None
             critical = coupled_criterion(a, G_inc, stress, material)
             if not np.isnan(critical.load_factor):
                 break

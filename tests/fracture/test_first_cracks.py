@@ -86,6 +86,8 @@ class Released:
     """Trial cracks of which each sets free the more the longer it is, little enough that energy decides."""
 
     PER_LENGTH = 1e-6
+    lengths = np.array([0.1, 1.0])
+    K = np.array([[1.0, 0.0], [1.0, 0.0]])
 
     def __init__(self, *_):
         pass
@@ -105,6 +107,17 @@ def test_where_longer_cracks_need_less_up_to_the_end_of_a_ligament_the_longest_b
     assert event.length == pytest.approx(0.8 * 1.0, abs=1e-3)
     expected = np.sqrt(scene.material.G_c / (Released.PER_LENGTH * 0.8))
     assert event.load == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_crack_whose_faces_would_pass_through_each_other_does_not_start(monkeypatch):
+    class Closed(Released):
+        K = np.array([[-1.0, 2.0], [-1.0, 2.0]])
+
+    monkeypatch.setattr("slmm.fracture.first_cracks.TrialCracks", Closed)
+    scene = tensile_plate([(71.0, 40.0, 8.0)])
+    model = BoundaryModel(scene.part, scene.material, scene.loading)
+    site = Site(np.array([80.0, 40.0]), np.array([-1.0, 0.0]), -1, 1.0)
+    assert CoupledCriterion(scene).at(model, [site], np.inf) == []
 
 
 def test_cells_are_refused_where_they_know_no_supports():
