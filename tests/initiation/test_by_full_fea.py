@@ -8,7 +8,7 @@ import pytest
 
 from slmm import failure_indices
 from slmm.criteria.status import Status
-from slmm.initiation import by_full_fea
+from slmm.initiation import by_boundary, by_full_fea
 from slmm.initiation.by_full_fea import sampled
 from slmm.initiation.full_fea import FullFEA, full_fea_curves
 from slmm.initiation.methods import SOURCES
@@ -40,6 +40,7 @@ def test_what_short_paths_say_stays_where_no_path_goes_through_the_ligament(monk
         raise ValueError("the path ends at a crack")
 
     monkeypatch.setattr(by_full_fea, "ligament_end", fails)
+    monkeypatch.setattr(by_boundary, "through", fails)
     result = failure_indices(between_holes(20.0), "full-fea", curves=True).isel(position=0)
     assert result.status == Status.BEYOND_PATH and np.isnan(result.failure_index)
     assert float(result.a[-1]) == pytest.approx(1.6, rel=1e-4)
@@ -115,13 +116,17 @@ def test_energy_of_a_narrow_notch_does_not_rise_towards_its_tip():
 
 
 def test_what_is_known_to_end_too_early_is_not_tried_again(monkeypatch):
-    """Dislocations reach to 0.6 of a ligament that breaks at once: full FEA starts with the whole of it."""
+    """Trial cracks reach to 0.8 of a ligament that breaks at once: full FEA starts with the whole of it."""
     scene, ends = between_holes(20.0), []
+
+    def fails(*arguments):
+        raise ValueError("no trial crack goes through")
 
     def noted(*arguments, end=None, **keywords):
         ends.append(end)
         return full_fea_curves(*arguments, end=end, **keywords)
 
+    monkeypatch.setattr(by_boundary, "through", fails)
     monkeypatch.setattr(by_full_fea, "full_fea_curves", noted)
     result = failure_indices(scene, "auto").isel(position=0)
     assert result.status == "ok" and result.used_method == "full-fea"
