@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
+from slmm.part.followed_contour import CornerError, followed
 from slmm.part.graded_outline import graded_outline
 from slmm.part.outline import Outline
 from slmm.part.outline_splines import turns
@@ -23,13 +24,10 @@ Array = NDArray[np.float64]
 #: samples between two support points in which contours are traced, and points of an outline; both chosen: contours that
 #: touch are parted by the saddles' own test, not by the samples
 SAMPLES, POINTS = 24, 40
-#: largest angles, rad, by which a contour turns between two even points, and between two where it is followed since
-#: it would turn by more; both chosen
-EVEN_TURN, TURN = 0.5, 0.15
+#: largest angle, rad, by which a contour turns between two even points: beyond, it is followed; chosen
+EVEN_TURN = 0.5
 #: the same within three chords of a line that is traced on samples; chosen
 TRACED_TURN = 0.9
-#: in spacings, between two points at least: beyond, it is a corner; chosen
-SHORTEST = 1e-5
 #: Newton steps onto the contour, or a saddle, at most, and the step, in spacings, at which they end; round-off
 STEPS, REACHED = 30, 1e-13
 #: a saddle is sought up to so many spacings from where the search began; chosen
@@ -176,10 +174,24 @@ class LevelSet:
         return float(max(np.abs(turns(at)).max(), (step * np.abs(self._bends(at))).max()))
 
     def _followed(self, places: Array) -> list[Array]:
-        """Points (k, 2) of each contour that passes by some places (n, 2) on them, none of them left out."""
-        found = []
+        """Points (k, 2) of each contour that passes by some places (n, 2) on them, none of them left out.
+
+        Raises
+        ------
+        ValueError
+            Where it bends too sharply to be followed.
+        """
+        found, rate = [], (2 / self.length_scale) ** 2
         while len(places):
-            ring = self._round(places[int(np.abs(self._bends(places)).argmin())])
+            start = places[int(np.abs(self._bends(places)).argmin())]
+            try:
+                ring = followed(self.axis, self.weights, rate, self.threshold, start, 1.0 / POINTS)
+            except CornerError as error:
+                x, y = (self.centre + self.spacing * error.at).tolist()
+                raise ValueError(
+                    f"the pattern has a corner near ({x:.6g}, {y:.6g}): its saddle lies {self.margin():.1g} from the"
+                    " threshold, where holes neither meet nor part"
+                ) from None
             found.append(ring)
             passed, _ = cKDTree(ring).query(places)
             places = places[passed > 1.0 / SAMPLES]
@@ -196,44 +208,9 @@ class LevelSet:
                 break
         return at
 
-    def _round(self, start: Array) -> Array:
-        """Points (k, 2) once round the contour from one of them (2,), between which it turns little.
-
-        Raises
-        ------
-        ValueError
-            Where it bends too sharply to be followed.
-        """
-        longest = 1.0 / POINTS
-        found, at, step = [start], start[None], longest
-        while len(found) < 4 or np.linalg.norm(at[0] - start) > 0.75 * step:
-            along, bend = self._direction(at), np.abs(self._bends(at))[0]
-            step = min(longest, 2 * step, TURN / max(bend, 1e-300))
-            while True:
-                ahead = self._onto(at + step * self._direction(at + 0.5 * step * along))
-                moved = ahead - at
-                turn = np.arccos(np.clip((along * self._direction(ahead)).sum(), -1.0, 1.0))
-                if turn <= TURN and (moved * along).sum() > 0 and np.linalg.norm(moved) < 1.5 * step:
-                    break
-                step *= 0.5
-                if step < SHORTEST:
-                    x, y = (self.centre + self.spacing * at[0]).tolist()
-                    raise ValueError(
-                        f"the pattern has a corner near ({x:.6g}, {y:.6g}): its saddle lies"
-                        f" {self.margin():.1g} from the threshold, where holes neither meet nor part"
-                    )
-            at = ahead
-            found.append(at[0])
-        return np.array(found[:-1])
-
     def _slopes(self, at: Array) -> Array:
         """How the function rises along x and y (n, 2) at places (n, 2)."""
         return np.column_stack([self._derivative(at, 1, 0), self._derivative(at, 0, 1)])
-
-    def _direction(self, at: Array) -> Array:
-        """Unit vectors (n, 2) along contours, what is high on their right as on traced lines."""
-        x, y = self._slopes(at).T
-        return np.column_stack([-y, x]) / np.hypot(x, y)[:, None]
 
     def _bends(self, at: Array) -> Array:
         """Curvatures (n,) of contours at places (n, 2), over spacings."""
