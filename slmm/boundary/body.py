@@ -26,6 +26,8 @@ MOST_CHANGED = 1.0
 #: where all is iterated a crack may grow towards a surface until panels there are so many times as long as its tip asks
 #: for (chosen)
 TOO_NEAR = 1.5
+#: between the directions of two pins that are one; round-off
+SAME_BEARING = 1e-12
 
 
 class Body:
@@ -89,7 +91,10 @@ class Body:
     def under(self, loading: Loading) -> Body:
         """The same under other loads; where they act on the same stretches, what is factorised stays."""
         known = known_at(self.panels, loading, self.scale)
-        base = None if self.base.panels is not self.panels else self.base.under(known)
+        ours, theirs = _bearings(self.loading), _bearings(loading)
+        same = self.base.panels is self.panels and ours.shape == theirs.shape
+        same = same and bool(np.abs(ours - theirs).max(initial=0.0) < SAME_BEARING)
+        base = self.base.under(known) if same else None
         if base is None:
             return Body(self.part, self.material, loading, self.p, self.grading)
         body = copy.copy(self)
@@ -193,3 +198,9 @@ def check_in_one_piece(part: Part) -> None:
         raise ValueError(
             f"the cracks sever the part, in {len(part.pieces)} pieces: nothing holds them together"
         )
+
+
+def _bearings(loading: Loading) -> Array:
+    """Into which directions the pins of conditions press (k, 2), 0 of others; panels end where that pressure does."""
+    pins = np.array([condition.bearing for condition in loading], dtype=float).reshape(-1, 2)
+    return pins / np.maximum(np.linalg.norm(pins, axis=1, keepdims=True), 1e-300)

@@ -129,17 +129,17 @@ class Border:
         """Solve for what members from a row on do to the base system, and what is felt of that; D is to be added."""
         new, size = slice(first, self.size), self.size
         columns, rows = self._columns[new], self._rows[new]
-        try:
-            columns[:] = self.base.solve(columns.T).T
-        except ValueError:  # other models go on without them
-            self._begins = {member: at for member, at in self._begins.items() if at < first}
-            self.size = first
-            raise
+        columns[:] = self.base.solve(columns.T).T
         self._right[new] -= rows @ self.base.solution
         np.matmul(rows, self.columns.T, out=self._matrix[new, :size])
         np.negative(self._matrix[new, :size], out=self._matrix[new, :size])
         # the narrow factor first: the product takes less time
         self._matrix[:first, new] = -(columns @ self._rows[:first].T).T
+
+    def drop(self, first: int) -> None:
+        """Forget the members from a row on."""
+        self._begins = {member: at for member, at in self._begins.items() if at < first}
+        self.size = first
 
     def _make_room(self, filled: int) -> None:
         """For all rows, of which some are filled."""

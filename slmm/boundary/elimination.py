@@ -57,47 +57,65 @@ class _Panels(NamedTuple):
 
 def eliminated(body: Body, cracks: CrackPanels | None) -> Eliminated:
     """Bring a body's border up to what divided panels and cracks ask for; only new ones are computed."""
-    base, border = body.base, body.border
+    border = body.border
     divided = [Member(Kind.DIVIDED, (k,), 2 * body.p) for k in body.removed.tolist()]
     panels = [Member(Kind.PANEL, interval.key, 2 * body.p) for interval in body.outside.intervals]
     along = [] if cracks is None else _members(cracks)
     new = border.keep([*divided, *panels, *along])
     if new:
-        first, added = border.size, set(new)
-        B, rows, right = border.extend(new)
-        B[base.unknowns :] = 0.0
-        for number, member in zip(body.removed.tolist(), divided, strict=True):
-            if member in added:
-                unknowns = number * member.width + np.arange(member.width)
-                own = border.places([member]) - first
-                B[:, own], rows[own], right[own] = 0.0, 0.0, 0.0
-                B[unknowns, own] = rows[own, unknowns] = 1.0
-        groups = [
-            _Panels(source, border.places(members), np.array([member in added for member in members]))
-            for members, source in ((panels, body.outside), (along, cracks))
-            if members and source is not None
-        ]
-        fresh = [group.chosen(np.flatnonzero(group.is_new)) for group in groups if group.is_new.any()]
-        stays = [group.chosen(np.flatnonzero(~group.is_new)) for group in groups if not group.is_new.all()]
-        for one in fresh:
-            # they follow each other as their rows do
-            its = slice(one.rows[0] - first, one.rows[-1] + 1 - first)
-            if isinstance(one.panels, Panels):
-                B[: base.unknowns, its], rows[its], right[its] = _of_panels(body, one.panels)
-                continue
-            count, width = len(one.is_new), 2 * one.panels.p
-            turns = min(-(-len(one.panels.z) * base.panels.n // AT_ONCE), max(1, count // FEW))
-            for few in np.array_split(np.arange(count), turns):
-                at = slice(its.start + few[0] * width, its.start + (few[-1] + 1) * width)
-                B[: base.unknowns, at], rows[at], right[at] = _of_cracks(body, one.panels.chosen(few))
-        border.eliminate(first)
-        for one in fresh:
-            its = slice(one.rows[0], one.rows[-1] + 1)
-            for by in groups:
-                border.matrix[its, by.rows] += _direct(body, one, by)
-            for target in stays:
-                border.matrix[target.rows, its] += _direct(body, target, one)
+        first = border.size
+        try:
+            _fill(body, cracks, divided, panels, along, new)
+        except BaseException:  # other models go on without them
+            border.drop(first)
+            raise
     return Eliminated(border.places(panels), border.places(along))
+
+
+def _fill(
+    body: Body,
+    cracks: CrackPanels | None,
+    divided: list[Member],
+    panels: list[Member],
+    along: list[Member],
+    new: list[Member],
+) -> None:
+    """Add new ones of all members to a body's border."""
+    base, border = body.base, body.border
+    first, added = border.size, set(new)
+    B, rows, right = border.extend(new)
+    B[base.unknowns :] = 0.0
+    for number, member in zip(body.removed.tolist(), divided, strict=True):
+        if member in added:
+            unknowns = number * member.width + np.arange(member.width)
+            own = border.places([member]) - first
+            B[:, own], rows[own], right[own] = 0.0, 0.0, 0.0
+            B[unknowns, own] = rows[own, unknowns] = 1.0
+    groups = [
+        _Panels(source, border.places(members), np.array([member in added for member in members]))
+        for members, source in ((panels, body.outside), (along, cracks))
+        if members and source is not None
+    ]
+    fresh = [group.chosen(np.flatnonzero(group.is_new)) for group in groups if group.is_new.any()]
+    stays = [group.chosen(np.flatnonzero(~group.is_new)) for group in groups if not group.is_new.all()]
+    for one in fresh:
+        # they follow each other as their rows do
+        its = slice(one.rows[0] - first, one.rows[-1] + 1 - first)
+        if isinstance(one.panels, Panels):
+            B[: base.unknowns, its], rows[its], right[its] = _of_panels(body, one.panels)
+            continue
+        count, width = len(one.is_new), 2 * one.panels.p
+        turns = min(-(-len(one.panels.z) * base.panels.n // AT_ONCE), max(1, count // FEW))
+        for few in np.array_split(np.arange(count), turns):
+            at = slice(its.start + few[0] * width, its.start + (few[-1] + 1) * width)
+            B[: base.unknowns, at], rows[at], right[at] = _of_cracks(body, one.panels.chosen(few))
+    border.eliminate(first)
+    for one in fresh:
+        its = slice(one.rows[0], one.rows[-1] + 1)
+        for by in groups:
+            border.matrix[its, by.rows] += _direct(body, one, by)
+        for target in stays:
+            border.matrix[target.rows, its] += _direct(body, target, one)
 
 
 def _members(cracks: CrackPanels) -> list[Member]:

@@ -58,9 +58,11 @@ def _strength(task: Task, whole_path: bool) -> np.ndarray:
     from slmm.mechanics.stress import principal_stress  # these import the finite element libraries
 
     task.progress(0.9, f"strength at {task.n} positions without a value")
-    if "strength" not in task.solved:
-        task.solved["strength"] = _model(task)
-    model: WithStress | None = task.solved["strength"]
+    # the model is fine where these positions are
+    its = f"strength at {task.paths.start.tobytes().hex()}"
+    if its not in task.solved:
+        task.solved[its] = _model(task)
+    model: WithStress | None = task.solved[its]
     if model is None:  # the positions keep no bound, and the summary says so
         return np.full(task.n, np.inf)
     paths = task.paths

@@ -49,6 +49,9 @@ class LoadCases:
         """Keep what has been solved under a scene's load."""
         self._boundary = self._boundary or solved.get("boundary")
         if "voxels" in solved and scene.load is not None and self._shares(scene) is None:
+            if self._voxels and _grids(solved["voxels"][1]) != _grids(self._voxels[0][1]):
+                # positions that were added asked for other voxels
+                self._loads, self._voxels = [], []
             self._loads.append(_vector(scene))
             self._voxels.append(solved["voxels"])
 
@@ -75,6 +78,11 @@ def summed(models: list[LocalModel], shares: np.ndarray) -> LocalModel:
         residual=max(model.residual for model in models),
         coarser=summed(coarser, shares) if coarser else None,
     )
+
+
+def _grids(model: LocalModel | None) -> list[tuple[int, ...]]:
+    """Shapes of a model's displacements and those of its coarser ones."""
+    return [] if model is None else [model.u.shape, *_grids(model.coarser)]
 
 
 def _vector(scene: Scene) -> np.ndarray:

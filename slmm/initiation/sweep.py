@@ -137,13 +137,19 @@ def _answer(
     todo = np.argsort(-length, kind="stable")
     solved = cases.under(elastic.scene)
     while len(todo):
-        lead = int(todo[0])
-        progress(1 - len(todo) / len(length), f"{len(todo)} of {len(length)} loads and materials left")
+        lead, begun = int(todo[0]), 1 - len(todo) / len(length)
+        progress(begun, f"{len(todo)} of {len(length)} loads and materials left")
         same = length[todo] >= (1 - SAME) * length[lead]
         near = length[todo] >= question.source.serves * length[lead]
         group = todo[near & ~same & (not question.turns)]
         of_lead = question.of(elastic.of(elastic.materials[lead]))
-        of_lead = replace(of_lead, task=replace(of_lead.task, solved=solved, for_shorter=len(group) > 0))
+        part = (same.sum() + len(group)) / len(length)
+
+        def told(share: float, text: str, begun: float = begun, part: float = part) -> None:
+            progress(begun + share * part, text)
+
+        asked = replace(of_lead.task, solved=solved, for_shorter=len(group) > 0, progress=told)
+        of_lead = replace(of_lead, task=asked)
         try:
             task, answer = of_lead.answered()
         except PoissonNotHeldError as error:

@@ -120,6 +120,8 @@ class SweptAnswer:
         error = error[rows, at]
         smooth = task.smooth[at] & (index[rows, at] > 0) & ~np.isnan(error)
         error[smooth] = np.maximum(error[smooth], (LEAST_RISE * index[rows, at])[smooth])
+        reached = np.where(known, index[rows, at] + np.nan_to_num(error, nan=0.0), -np.inf)
+        bound[rows, at] = np.maximum(bound[rows, at], reached)
         members = elastic.members[which]
         values = {
             "failure_index": index[rows, at],

@@ -96,6 +96,23 @@ def test_a_model_goes_on_after_others_have_divided_more_of_their_shared_body():
     assert cracked.work == pytest.approx(other.work, rel=1e-10)
 
 
+def test_what_was_broken_off_is_computed_when_it_is_asked_again(monkeypatch):
+    part = Part.plate(100.0, 100.0, cracks=[[(0.0, 50.0), (20.0, 50.0)]])
+    model = BoundaryModel(part, PMMA, plate_loading(100.0, 100.0, displacement=0.1))
+    longer = part.grown(0, (22.0, 50.4))
+
+    def breaks_off(*arguments):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("slmm.boundary.elimination._direct", breaks_off)
+        with pytest.raises(KeyboardInterrupt):
+            model.with_cracks_of(longer)
+    found = model.with_cracks_of(longer)
+    expected = of_its_own(found).stress_intensities()
+    assert found.stress_intensities() == pytest.approx(expected, rel=1e-9, abs=1e-8)
+
+
 def test_factors_that_grow_and_shrink_solve():
     rng = np.random.default_rng(3)
     matrix = rng.normal(size=(700, 700)) + 40.0 * np.eye(700)

@@ -186,15 +186,15 @@ def test_stiffness_and_thickness_only_scale_the_energy(lobed):
 
 
 def test_the_change_covers_what_a_finer_mesh_changes():
-    """Nineteen of twenty lengths, as of every estimate."""
-    covered = []
+    """At nineteen of twenty lengths, as of every estimate, and nearly at the others."""
+    used = []
     for mouth in (LOBE, (50.0, 50.0 + 22.0), (28.0, 50.0)):
         rough, fine = (curves_at(model_of(gallery.lobed_notch(), angle), mouth, 3.0) for angle in (0.2, 0.06))
         assert rough.a[-1] == fine.a[-1]
         allowed = SAFETY * (rough.G_inc_change + fine.G_inc_change) + 1e-3 * fine.G_inc
-        covered.append(np.abs(rough.G_inc - fine.G_inc) <= allowed)
+        used.append(np.abs(rough.G_inc - fine.G_inc) / allowed)
         assert np.all(fine.G_inc_change <= rough.G_inc_change.max())
-    assert np.mean(covered) >= 0.95
+    assert np.quantile(used, 0.95) <= 1 and np.max(used) < 1.1
 
 
 def test_a_notch_is_compared_with_its_osculating_circle_or_with_a_straight_edge(lobed):

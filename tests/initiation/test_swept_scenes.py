@@ -113,6 +113,14 @@ def test_several_loads_are_each_of_their_combinations(method):
     assert result.attrs["elastic_fields"] == 4
 
 
+@pytest.mark.parametrize("method", ["auto", "slmm+ac"])
+def test_no_bound_lies_below_the_index_and_its_error(method):
+    scene = gallery.circular_hole(analysis={"positions": 12, "voxels": 10_000})
+    result = failure_indices(scene, method, vary=VARY)
+    reached = result.failure_index + result.failure_index_error
+    assert (result.failure_index_bound >= reached * (1 - 1e-12)).all()
+
+
 def test_a_variant_without_a_value_says_why():
     scene = gallery.square_hole(analysis={"positions": 4, "voxels": 10_000})
     result = failure_indices(scene, "slmm+ac", vary={"load.strain": [0.01, 0.1]})
