@@ -26,6 +26,8 @@ Rows = NDArray[np.int64]
 #: weights of cracks that are computed at once, 128 kB of each kind, and of at least so many panels; both chosen: what
 #: comes and goes is little beside what stays
 AT_ONCE, FEW = 8_192, 2
+#: a point so near to a crack's mouth, over its panel's length, is taken to be beside it by so much of that; both chosen
+AT_MOUTH, BESIDE = 1e-4, 1e-3
 
 
 class Eliminated(NamedTuple):
@@ -132,7 +134,7 @@ def _of_panels(body: Body, panels: Panels) -> tuple[Array, Array, Array]:
     They add nothing to the resultants on its m motions of rigid bodies.
     """
     base = body.base
-    there = Targets.on(base.panels)._replace(own=np.full(base.panels.n, -1))
+    there = Targets.on(base.panels)._replace(z=_off_mouths(body), own=np.full(base.panels.n, -1))
     B = displacement_by_g(panels, body.kappa, there)
     B += base.motions(base.panels.z) @ base.motions_felt(panels)
     here = Targets.on(panels)._replace(own=np.full(panels.n, -1))
@@ -158,10 +160,19 @@ def _overlap(old: Panels, new: Panels) -> NDArray[np.bool_]:
 
 def _of_cracks(body: Body, cracks: CrackPanels) -> tuple[Array, Array, Array]:
     """The same of panels of cracks."""
-    z = body.base.panels.z
+    z = _off_mouths(body)
     B = of_cracks(cracks, z, np.full(len(z), -1)).displacement(body.kappa).real()
     rows, known = body.base.traction(cracks.z, np.repeat(cracks.direction, cracks.p))
     return B, rows, -known
+
+
+def _off_mouths(body: Body) -> Complex:
+    """The base system's points (n,), those at mouths of cracks beside them: their panels are divided, and count not."""
+    panels = body.base.panels
+    length = np.repeat(panels.length, panels.p)
+    away = np.abs(panels.z[:, None] - np.array(body.mouths, dtype=complex)).min(axis=1, initial=np.inf)
+    along = panels.dz / np.abs(panels.dz)
+    return np.asarray(np.where(away < AT_MOUTH * length, panels.z + BESIDE * length * along, panels.z))
 
 
 def _direct(body: Body, target: _Panels, source: _Panels) -> Array:
