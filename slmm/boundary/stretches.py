@@ -55,8 +55,8 @@ FINE = Grading(0.01, 0.01, 0.6, 1.0, 1.0)
 #: for stiffness and tips away from mouths: solutions are smooth enough (chosen on validation/fracture_references.py)
 COARSE = Grading(0.1, 0.2, 0.8, 1.5, 2.0)
 #: for U_T to some thousandths: of 40 random patterns of 5 x 5 to 8 x 8 points it is within 4.3e-3, in the median 3e-4,
-#: of that of order 8; with panels half as long at mouths and tips within the same, in the median 2e-4 (chosen on these).
-#: With twice as long ones of cracks at their mouths, one step of 38,000 made a plate 7 % stiffer
+#: of that of order 8; with panels half as long at mouths and tips within the same, in the median 2e-4. With twice as
+#: long ones of cracks at their mouths, one step of 38,000 made a plate 7 % stiffer (all chosen on these)
 ROUGH = COARSE._replace(side=0.4, tip=5.0)
 
 
