@@ -1,9 +1,9 @@
 """Sweeps over a thousand loads and materials: what they cost beside single runs, and that each variant is its own run.
 
 Ten loads, strengths and toughnesses each (strengths of 50 to 90 MPa, K_Ic of 0.8 to 1.6 MPa sqrt(m): Irwin's lengths
-over 13), on a plate with a circular hole, a V-notch or an edge crack. A decade of strengths and toughnesses each
-(Irwin's lengths over 10^4) is told, too: there every fourfold length is computed for itself, and the longest cracks are
-longer than any cell. Required:
+over 13), on a plate with a circular hole, a V-notch or an edge crack; on the hole also a decade of strengths and
+toughnesses each (Irwin's lengths over 10^4), where every fourfold length is computed for itself, and the longest cracks
+are longer than any cell: these variants have no value, which is told. Required:
 
 - the CPU time of a thousand variants is at most three times that of one run at the longest Irwin's length, in the same
   process, and on the hole as a whole command;
